@@ -1,0 +1,219 @@
+//! What a diagnosis says: the JSON of `tribos diagnose` (schema `tribos.diagnosis/1`) as types.
+
+use identify::RecordingFault;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Version of the JSON layout.
+pub const SCHEMA: &str = "tribos.diagnosis/1";
+
+/// The answer to "does the simulation miss something here?".
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The recording contains physics the baseline does not.
+    Mismatch,
+    /// Nothing above the noise floor; the bound says what would have been missed.
+    NoMismatch,
+    /// The recording cannot answer: too short, too little motion, or faulty.
+    NotTestable,
+}
+
+/// A number with its standard deviation and unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quantity {
+    /// Estimate.
+    pub value: f64,
+    /// Standard deviation of the estimate; NaN serialises as null.
+    pub std: f64,
+    /// SI unit.
+    pub unit: String,
+}
+
+/// Level below which nothing can be told from the recording's own repeatability.
+#[derive(Debug, Clone, Serialize)]
+pub struct NoiseFloor {
+    /// Root mean square, in `unit`.
+    pub rms: f64,
+    /// N or N·m.
+    pub unit: String,
+    /// `repeats`, `local differences` or `declared`.
+    pub how: String,
+}
+
+/// The model everything is compared with, fitted jointly with its nuisances.
+#[derive(Debug, Clone, Serialize)]
+pub struct Baseline {
+    /// Law id.
+    pub law: String,
+    /// Parameters by name.
+    pub parameters: BTreeMap<String, Quantity>,
+    /// Error on blocks not used for the fit.
+    pub rms_heldout: f64,
+}
+
+/// A stretch of one coordinate in which the residual's conditional mean leaves its simultaneous band.
+#[derive(Debug, Clone, Serialize)]
+pub struct Location {
+    /// `velocity`, `position`, `distance_since_reversal`, `time`, …
+    pub coordinate: String,
+    /// Lower end of the stretch.
+    pub from: f64,
+    /// Upper end of the stretch.
+    pub to: f64,
+    /// Unit of `from` and `to`.
+    pub unit: String,
+    /// Share of the squared error above the noise floor that sits in the stretch.
+    pub share_of_mismatch: f64,
+    /// Family-wise p value of the coordinate, by block sign flips (max statistic).
+    pub p: f64,
+}
+
+/// One named piece of physics that was left out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Missing {
+    /// Catalogue id.
+    pub effect: String,
+    /// One plain sentence.
+    pub says: String,
+    /// The equation.
+    pub equation: String,
+    /// Its parameters, fitted jointly with the baseline.
+    pub parameters: BTreeMap<String, Quantity>,
+    /// Held-out error without it.
+    pub rms_heldout_before: f64,
+    /// Held-out error with it.
+    pub rms_heldout_after: f64,
+    /// 95 % block-bootstrap interval of the held-out gain, in the force unit.
+    pub gain_ci95: [f64; 2],
+    /// p value against the best null term.
+    pub p: f64,
+    /// Effects that explain this recording equally well.
+    pub indistinguishable_from: Vec<String>,
+    /// The move that would tell them apart.
+    pub experiment: String,
+}
+
+/// An effect this recording cannot show.
+#[derive(Debug, Clone, Serialize)]
+pub struct Blind {
+    /// Catalogue id.
+    pub effect: String,
+    /// Why.
+    pub because: String,
+    /// The move that would show it.
+    pub experiment: String,
+}
+
+/// An effect that was tested and is not there, with its bound.
+#[derive(Debug, Clone, Serialize)]
+pub struct Rejected {
+    /// Catalogue id.
+    pub effect: String,
+    /// 95 % upper bound of its rms force.
+    pub upper_bound: f64,
+    /// N or N·m.
+    pub unit: String,
+}
+
+/// The model with everything that was named.
+#[derive(Debug, Clone, Serialize)]
+pub struct After {
+    /// Held-out error.
+    pub rms_heldout: f64,
+    /// Relative position error of a free-run simulation over the recording, null if it could not be run.
+    pub free_run_error: Option<f64>,
+    /// Share of the baseline's mismatch above the noise floor that is now explained.
+    pub explained_share: f64,
+}
+
+/// What is left, and where.
+#[derive(Debug, Clone, Serialize)]
+pub struct Remainder {
+    /// Root mean square of the unexplained part, noise floor removed.
+    pub rms: f64,
+    /// Where it still leaves the band.
+    pub located_at: Vec<Location>,
+}
+
+/// One bin of a conditional mean, for the report.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Bin {
+    /// Centre of the bin on its coordinate.
+    pub at: f64,
+    /// Mean residual before any effect is added.
+    pub before: f64,
+    /// Mean residual after.
+    pub after: f64,
+    /// Half-width of the simultaneous 95 % band.
+    pub band: f64,
+}
+
+/// A conditional-mean curve over one coordinate.
+#[derive(Debug, Clone, Default)]
+pub struct Curve {
+    /// Coordinate name, as in [`Location`].
+    pub coordinate: String,
+    /// Unit of the coordinate.
+    pub unit: String,
+    /// Sub-set, e.g. `moving forward`; empty for all.
+    pub subset: String,
+    /// Bins in order.
+    pub bins: Vec<Bin>,
+}
+
+/// Series for the report's pictures; equal lengths.
+#[derive(Debug, Clone, Default)]
+pub struct Figures {
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Position, m or rad.
+    pub position: Vec<f64>,
+    /// Velocity.
+    pub velocity: Vec<f64>,
+    /// Measured (filtered) force.
+    pub force: Vec<f64>,
+    /// Baseline prediction, each sample predicted by a fit that did not see its block.
+    pub before: Vec<f64>,
+    /// The same with the named effects.
+    pub after: Vec<f64>,
+    /// Free-run simulated position with the final model, empty if not run.
+    pub free_run_position: Vec<f64>,
+    /// Conditional means, most telling first.
+    pub curves: Vec<Curve>,
+}
+
+/// Everything a diagnosis found.
+#[derive(Debug, Clone, Serialize)]
+pub struct Diagnosis {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// The answer.
+    pub verdict: Verdict,
+    /// The answer as one sentence for a person.
+    pub summary: String,
+    /// Faults of the recording, which are not physics.
+    pub recording_faults: Vec<RecordingFault>,
+    /// Repeatability.
+    pub noise_floor: NoiseFloor,
+    /// The model without the missing physics.
+    pub baseline: Baseline,
+    /// Where it goes wrong, most telling first.
+    pub location: Vec<Location>,
+    /// What is missing, by held-out gain.
+    pub missing: Vec<Missing>,
+    /// What cannot be seen here.
+    pub blind_to: Vec<Blind>,
+    /// What was ruled out.
+    pub rejected: Vec<Rejected>,
+    /// The model with what was found.
+    pub after: After,
+    /// What is left.
+    pub remainder: Remainder,
+    /// The final model: `model.toml`, a preset.
+    #[serde(skip)]
+    pub model: Option<identify::Model>,
+    /// For the report.
+    #[serde(skip)]
+    pub figures: Figures,
+}

@@ -1,0 +1,96 @@
+//! The number a law is written over: `f32` on the device, `f64` in the rig, a dual number where a fit
+//! needs the exact derivative of the same law.
+
+use core::fmt::Debug;
+use num_traits::{Num, NumAssignOps};
+
+/// A real scalar.
+///
+/// Every transcendental goes through `libm`, never through `std` or `num_traits::Float`: the host must
+/// compute bit for bit what the target computes, and `num_traits` silently changes its backend when any
+/// crate of the workspace turns on its `std` feature.
+pub trait Scalar:
+    Copy + Debug + Default + PartialOrd + Num + NumAssignOps + core::ops::Neg<Output = Self> + 'static
+{
+    /// The nearest representable value of a constant.
+    fn lit(value: f64) -> Self;
+    /// The real part, for decisions and messages.
+    fn re(self) -> f64;
+    /// e^x.
+    fn exp(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Sine, x in rad.
+    fn sin(self) -> Self;
+    /// Cosine, x in rad.
+    fn cos(self) -> Self;
+    /// x^p for x ≥ 0.
+    fn powf(self, p: Self) -> Self;
+
+    /// |x|.
+    fn abs(self) -> Self {
+        if self < Self::zero() { -self } else { self }
+    }
+    /// −1, 0 or +1; 0 at ±0. (`f32::signum` gives 1 at +0, which would make a resting block slide.)
+    fn sgn(self) -> Self {
+        if self > Self::zero() {
+            Self::one()
+        } else if self < Self::zero() {
+            -Self::one()
+        } else {
+            Self::zero()
+        }
+    }
+    /// The larger of two, `self` when `other` is NaN.
+    fn max(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+    /// The smaller of two, `self` when `other` is NaN.
+    fn min(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+    /// `self` limited to `[low, high]`.
+    fn clamp(self, low: Self, high: Self) -> Self {
+        self.max(low).min(high)
+    }
+    /// Neither NaN nor infinite.
+    fn is_finite(self) -> bool {
+        self.re().is_finite()
+    }
+}
+
+macro_rules! scalar_by_libm {
+    ($float:ty, $exp:ident, $ln:ident, $sqrt:ident, $sin:ident, $cos:ident, $pow:ident) => {
+        impl Scalar for $float {
+            fn lit(value: f64) -> Self {
+                value as $float
+            }
+            fn re(self) -> f64 {
+                self as f64
+            }
+            fn exp(self) -> Self {
+                libm::$exp(self)
+            }
+            fn ln(self) -> Self {
+                libm::$ln(self)
+            }
+            fn sqrt(self) -> Self {
+                libm::$sqrt(self)
+            }
+            fn sin(self) -> Self {
+                libm::$sin(self)
+            }
+            fn cos(self) -> Self {
+                libm::$cos(self)
+            }
+            fn powf(self, p: Self) -> Self {
+                libm::$pow(self, p)
+            }
+        }
+    };
+}
+
+scalar_by_libm!(f32, expf, logf, sqrtf, sinf, cosf, powf);
+scalar_by_libm!(f64, exp, log, sqrt, sin, cos, pow);
