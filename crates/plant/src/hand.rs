@@ -1,0 +1,182 @@
+//! The human hand on the handle: a force source, or an impedance around a moving target.
+
+use friction::Scalar;
+
+/// A hand on the handle. It is asked once every integration step.
+pub trait Hand {
+    /// Force on the handle in N at time `t` s, handle position `x` m and velocity `v` m/s.
+    fn force(&mut self, t: f64, x: f64, v: f64) -> f64;
+
+    /// Mass that moves with the handle while the hand holds it, kg.
+    fn mass(&self) -> f64 {
+        0.0
+    }
+}
+
+/// Nobody touches the handle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct NoHand;
+
+impl Hand for NoHand {
+    fn force(&mut self, _t: f64, _x: f64, _v: f64) -> f64 {
+        0.0
+    }
+}
+
+impl<F: FnMut(f64, f64, f64) -> f64> Hand for F {
+    fn force(&mut self, t: f64, x: f64, v: f64) -> f64 {
+        self(t, x, v)
+    }
+}
+
+/// A scripted force source: it pushes the same whatever the handle does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum HandForce {
+    /// Pushes with `force` N from `from` s until `until` s, then lets go.
+    PushRelease {
+        /// N.
+        force: f64,
+        /// s.
+        from: f64,
+        /// s.
+        until: f64,
+    },
+    /// Grows by `rate` N/s from `from` s on, up to `limit` N in magnitude.
+    Ramp {
+        /// N/s.
+        rate: f64,
+        /// s.
+        from: f64,
+        /// N.
+        limit: f64,
+    },
+    /// `offset` + `amplitude`·sin(2π·`frequency`·t).
+    Sine {
+        /// N.
+        amplitude: f64,
+        /// Hz.
+        frequency: f64,
+        /// N.
+        offset: f64,
+    },
+    /// (time s, force N) in rising time; each force holds until the next entry. 0 N before the first.
+    Steps(Vec<(f64, f64)>),
+}
+
+impl Hand for HandForce {
+    fn force(&mut self, t: f64, _x: f64, _v: f64) -> f64 {
+        match self {
+            Self::PushRelease { force, from, until } => {
+                if t >= *from && t < *until {
+                    *force
+                } else {
+                    0.0
+                }
+            }
+            Self::Ramp { rate, from, limit } => {
+                let limit = Scalar::abs(*limit);
+                Scalar::clamp(*rate * Scalar::max(t - *from, 0.0), -limit, limit)
+            }
+            Self::Sine { amplitude, frequency, offset } => {
+                *offset + *amplitude * Scalar::sin(core::f64::consts::TAU * *frequency * t)
+            }
+            Self::Steps(steps) => {
+                let next = steps.partition_point(|(at, _)| *at <= t);
+                next.checked_sub(1).and_then(|k| steps.get(k)).map_or(0.0, |(_, force)| *force)
+            }
+        }
+    }
+}
+
+/// Where an impedance wants the handle to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// Holds still at `position` m.
+    Hold {
+        /// m.
+        position: f64,
+    },
+    /// From `start` m at `velocity` m/s for ever.
+    Ramp {
+        /// m.
+        start: f64,
+        /// m/s.
+        velocity: f64,
+    },
+    /// `centre` + `amplitude`·sin(2π·`frequency`·t).
+    Sine {
+        /// m.
+        centre: f64,
+        /// m.
+        amplitude: f64,
+        /// Hz.
+        frequency: f64,
+    },
+    /// A reach: the minimum-jerk path from `from` m to `to` m, beginning at `at` s and lasting `duration` s.
+    Reach {
+        /// m.
+        from: f64,
+        /// m.
+        to: f64,
+        /// s.
+        at: f64,
+        /// s.
+        duration: f64,
+    },
+}
+
+impl Target {
+    /// Position in m and velocity in m/s at `t` s.
+    #[must_use]
+    pub fn at(&self, t: f64) -> (f64, f64) {
+        match *self {
+            Self::Hold { position } => (position, 0.0),
+            Self::Ramp { start, velocity } => (start + velocity * t, velocity),
+            Self::Sine { centre, amplitude, frequency } => {
+                let omega = core::f64::consts::TAU * frequency;
+                (centre + amplitude * Scalar::sin(omega * t), amplitude * omega * Scalar::cos(omega * t))
+            }
+            Self::Reach { from, to, at, duration } => {
+                if t <= at || duration <= 0.0 {
+                    return (if t <= at { from } else { to }, 0.0);
+                }
+                let s = Scalar::min((t - at) / duration, 1.0);
+                let path = s * s * s * (10.0 + s * (6.0 * s - 15.0));
+                let slope = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration;
+                (from + (to - from) * path, (to - from) * slope)
+            }
+        }
+    }
+}
+
+/// A hand with mass, stiffness and damping around a moving target: F = k(x_t − x) + b(ẋ_t − ẋ) − m·ẍ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HandImpedance {
+    /// Mass of the hand that moves with the handle, kg.
+    pub mass: f64,
+    /// Stiffness, N/m.
+    pub stiffness: f64,
+    /// Damping, N·s/m.
+    pub damping: f64,
+    /// Where it wants to be.
+    pub target: Target,
+}
+
+impl HandImpedance {
+    /// A relaxed hand in a precision grip: 0.1 kg, 400 N/m, 6 N·s/m.
+    #[must_use]
+    pub fn relaxed(target: Target) -> Self {
+        Self { mass: 0.1, stiffness: 400.0, damping: 6.0, target }
+    }
+}
+
+impl Hand for HandImpedance {
+    fn force(&mut self, t: f64, x: f64, v: f64) -> f64 {
+        let (position, velocity) = self.target.at(t);
+        self.stiffness * (position - x) + self.damping * (velocity - v)
+    }
+
+    fn mass(&self) -> f64 {
+        self.mass
+    }
+}

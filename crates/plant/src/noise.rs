@@ -1,0 +1,27 @@
+//! Sensor noise, seeded: the same seed gives the same codes on every platform.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// White Gaussian noise. Every sensor has a stream of its own, so switching one off or changing its size
+/// does not change what another one draws.
+#[derive(Debug, Clone)]
+pub(crate) struct Noise {
+    rng: ChaCha8Rng,
+}
+
+impl Noise {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(stream);
+        Self { rng }
+    }
+
+    /// A draw of standard deviation `std`; always consumes the stream, also for `std` = 0.
+    #[inline]
+    pub(crate) fn draw(&mut self, std: f64) -> f64 {
+        let unit: f64 = StandardNormal.sample(&mut self.rng);
+        unit * std
+    }
+}
