@@ -160,8 +160,9 @@ impl Default for RigConfig {
     fn default() -> Self {
         Self {
             device_mass: 0.692,
-            // the thesis calls it "a small amount" and gives no number
-            device_damping: 1.0,
+            // the thesis calls it "a small amount" and gives no number for the rig; this keeps the
+            // τ = m/b = 0.1 s of its simulated device, as `haptics` assumes
+            device_damping: 6.92,
             device_friction_p: 1.04,
             device_friction_n: 0.69,
             block_mass: 0.419,

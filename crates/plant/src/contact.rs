@@ -124,7 +124,7 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
             return friction.total() * displacement;
         }
         // the force is constant, so the velocity crosses once
-        let until = h * v / (v - end);
+        let until = time_to_rest(body, v, applied - friction.total()).clamp(0.0, h);
         if let (Some((_, state)), Some(saved)) = (&mut self.law, saved) {
             **state = saved;
         }
@@ -147,6 +147,13 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
         }
         taken
     }
+}
+
+/// When m·v̇ + b·v = F passes v = 0, s: (m/b)·ln(1 − b·v/F), with its limit −m·v/F.
+fn time_to_rest(body: &Body, velocity: f64, force: f64) -> f64 {
+    let undamped = -body.mass * velocity / force;
+    let y = -body.damping * velocity / force;
+    if y == 0.0 { undamped } else { undamped * libm::log1p(y) / y }
 }
 
 /// A mass on a viscous guide.
