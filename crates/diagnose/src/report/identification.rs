@@ -1,0 +1,4 @@
+/// placeholder
+pub struct Scatter;
+/// placeholder
+pub fn identification_html() {}
