@@ -1,0 +1,389 @@
+//! NUCLEO-G474RE: the registers of the control path, and the only `unsafe` of the firmware.
+//!
+//! # Pins
+//!
+//! | signal | pin | connector | how |
+//! | --- | --- | --- | --- |
+//! | encoder A, B | PA0, PA1 | A0, A1 | TIM2 channels 1, 2, pull-up, 3.3 V |
+//! | force command | PA4 | A2 | DAC1 channel 1: 0 V … 3.3 V is −10 N … +10 N, 1.65 V is no force |
+//! | load cell | PC0 | A5 | ADC1 input 6, 0 V … 3.3 V, from a buffer that drives 1 kΩ |
+//! | accelerometer | PC1 | A4 | ADC1 input 7, likewise |
+//! | amplifier enable | PB10 | D6 | high: on. **Fit 10 kΩ to ground**: the pin floats while the chip is in reset |
+//! | emergency stop | PC7 | D9 | closed to ground: run. Open, pressed or broken wire: fault. Without a switch fit a bridge |
+//! | serial line | PA2, PA3 | ST-LINK | LPUART1, 921 600 baud, the virtual COM port of the board |
+//! | alive | PA5 | LD2 | blinks while the loop is healthy |
+//!
+//! # Timing contract
+//!
+//! ```text
+//! TIM6 update (1 kHz)            JEOS                              TIM7 update        TIM6 update
+//!   |-- load cell 16×, accel 16× --|-- control step -----------|      |                   |
+//!   0                          14.3 µs                     < 25 µs   34 µs               1 ms
+//!   ADC1 triggered            interrupt, encoder read       DHR   DAC output changes
+//! ```
+//!
+//! * Every encoder edge that TIM2 counts appears on its *encoder clock output* (CR2.MMS = 1000) and makes TIM5,
+//!   free-running at 170 MHz, capture its count (input capture on TRC): the time of the last edge is taken in
+//!   hardware, whatever the processor is doing.
+//! * The interrupt reads count and time until two readings agree, so that a count never goes with the time of
+//!   another edge, and stamps the sample with TIM5.
+//! * The force is written into the DAC's holding register and put out by TIM7, in phase with TIM6 by
+//!   construction: the output has no software jitter.
+//! * The control interrupt has priority 0 and everything else 6 or lower. Only critical sections can delay it.
+//!
+//! **Overrun.** A step that is not done when TIM7 fires puts its force out one period late, and is counted
+//! ([`late_steps`]). A step that is still running at the next JEOS makes the next sample late: the stamp shows it
+//! and the control step latches the fault `missed_deadline`. If steps stop altogether the supervisor stops feeding
+//! the watchdog and the chip resets within [`WATCHDOG_US`], which drops the enable pin.
+
+use core::cell::RefCell;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
+use embassy_stm32::gpio::{AfType, Flex, Input, Level, Output, Pull, Speed};
+use embassy_stm32::interrupt::{InterruptExt, Priority};
+use embassy_stm32::peripherals::{self, ADC1, IWDG, PA0, PA1, TIM2, TIM5, TIM6, TIM7};
+use embassy_stm32::usart::{self, BufferedUart};
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{Config, Peri, bind_interrupts, interrupt, pac, rcc, triggers};
+use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
+use haptics::Inputs;
+use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
+use static_cell::StaticCell;
+
+/// Rate of core, timers and time stamps, Hz.
+pub const TICK_HZ: u32 = 170_000_000;
+/// Rate of the control loop, Hz.
+pub const LOOP_HZ: u32 = 1_000;
+/// From the start of conversion to the change of the force, µs. The conversions take 14.3 µs.
+const LATCH_US: u32 = 34;
+/// Time without a healthy loop after which the chip resets, µs.
+pub const WATCHDOG_US: u32 = 50_000;
+/// Baud rate of the serial line.
+pub const BAUD: u32 = 921_600;
+/// N of one step of the DAC, whose code 2048 is no force.
+pub const NEWTON_PER_CODE: f32 = 10.0 / 2048.0;
+/// Code of no force.
+const DAC_ZERO: u16 = 2048;
+/// TIM6 and TIM7 count at a quarter of the clock, so that one period fits 16 bits.
+const PACE_DIVIDER: u32 = 4;
+const PACE_PERIOD: u32 = TICK_HZ / PACE_DIVIDER / LOOP_HZ;
+const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000_000 * LATCH_US + LATCH_US / 2;
+const ENABLE_PIN: usize = 10;
+
+bind_interrupts!(struct Irqs {
+    LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
+});
+
+/// What the control interrupt runs: samples in; force in N and amplifier enable out.
+pub trait ControlStep: Send {
+    /// One control period.
+    fn step(&mut self, inputs: &Inputs) -> (f32, bool);
+}
+
+/// Owned by the interrupt once [`Board::start`] was called.
+struct Loop {
+    hardware: Hardware,
+    step: &'static mut dyn ControlStep,
+}
+
+static LOOP: Mutex<CriticalSectionRawMutex, RefCell<Option<Loop>>> = Mutex::new(RefCell::new(None));
+static STEPS: AtomicU32 = AtomicU32::new(0);
+static LATE: AtomicU32 = AtomicU32::new(0);
+static WORST: AtomicU32 = AtomicU32::new(0);
+
+/// Control steps since boot; wraps.
+#[must_use]
+pub fn steps() -> u32 {
+    STEPS.load(Relaxed)
+}
+
+/// Steps that were not done when the DAC put out its force.
+#[must_use]
+pub fn late_steps() -> u32 {
+    LATE.load(Relaxed)
+}
+
+/// Longest time from sample to the force being written, core cycles.
+#[must_use]
+pub fn worst_cycles() -> u32 {
+    WORST.load(Relaxed)
+}
+
+/// The control interrupt: end of the injected sequence of ADC1.
+#[interrupt]
+fn ADC1_2() {
+    LOOP.lock(|cell| {
+        // the interrupt cannot interrupt itself, so the borrow succeeds; a panic path would be dead code here
+        let Ok(mut control) = cell.try_borrow_mut() else { return };
+        let Some(Loop { hardware, step }) = control.as_mut() else { return };
+        let inputs = hardware.sample();
+        let (force, amplifier) = step.step(&inputs);
+        hardware.drive(force, amplifier);
+        let cycles = pac::TIM5.cnt().read().wrapping_sub(inputs.sample_ticks);
+        if pac::TIM6.cnt().read().cnt() as u32 >= LATCH_COUNTS {
+            LATE.fetch_add(1, Relaxed);
+        }
+        WORST.fetch_max(cycles, Relaxed);
+        STEPS.fetch_add(1, Relaxed);
+    });
+}
+
+/// The registers the control step reads and writes.
+struct Hardware {
+    adc: InjectedAdc<'static, ADC1, 2>,
+}
+
+impl Hardware {
+    /// Reads what the hardware latched; clears the interrupt.
+    fn sample(&mut self) -> Inputs {
+        let (count, edge_ticks) = encoder();
+        let sample_ticks = pac::TIM5.cnt().read();
+        pac::ADC1.isr().write(|w| {
+            w.set_jeos(true);
+            w.set_jeoc(true);
+        });
+        let [load_code, accel_code] = self.adc.read_injected_samples();
+        Inputs { sample_ticks, count, edge_ticks, load_code, accel_code }
+    }
+
+    /// Hands a force to the DAC, which puts it out when TIM7 says so. The amplifier is switched at once.
+    fn drive(&mut self, force: f32, amplifier: bool) {
+        let code = if amplifier { dac_code(force) } else { DAC_ZERO };
+        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
+        pac::GPIOB.bsrr().write(|w| {
+            if amplifier {
+                w.set_bs(ENABLE_PIN, true);
+            } else {
+                w.set_br(ENABLE_PIN, true);
+            }
+        });
+    }
+}
+
+/// Nearest DAC code of a force in N. Saturates; what is not a number is no force.
+fn dac_code(force: f32) -> u16 {
+    let code = force * (1.0 / NEWTON_PER_CODE) + (f32::from(DAC_ZERO) + 0.5);
+    if code.is_nan() {
+        return DAC_ZERO;
+    }
+    // `as` saturates at 0
+    (code as u16).min(4095)
+}
+
+/// Count and the time of the edge that led to it. An edge between two of the reads shows in the second pair; the
+/// capture follows the count by a few cycles, less than the time between reading `before` and `time_after`.
+/// Edges are at least 1 µs apart, so the second attempt is quiet; four bound the time whatever happens.
+fn encoder() -> (u32, u32) {
+    let (tim2, tim5) = (pac::TIM2, pac::TIM5);
+    let mut count = tim2.cnt().read();
+    let mut time = tim5.ccr(0).read();
+    for _ in 0..4 {
+        let count_after = tim2.cnt().read();
+        let time_after = tim5.ccr(0).read();
+        if count_after == count && time_after == time {
+            break;
+        }
+        (count, time) = (count_after, time_after);
+    }
+    (count, time)
+}
+
+/// Drops the amplifier enable and sets the force to zero, from any context: panic, hard fault, before a reset.
+pub fn make_safe() {
+    pac::GPIOB.bsrr().write(|w| w.set_br(ENABLE_PIN, true));
+    pac::DAC1.cr().modify(|w| w.set_ten(0, false));
+    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
+}
+
+/// Why the chip started, from the reset flags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, defmt::Format)]
+pub enum ResetCause {
+    /// Power, reset button or debugger.
+    Power,
+    /// The watchdog: the loop had stopped.
+    Watchdog,
+    /// The firmware itself.
+    Software,
+}
+
+/// The board, its loop not yet running.
+pub struct Board {
+    hardware: Hardware,
+    /// Serial line.
+    pub console: BufferedUart<'static>,
+    /// Not yet running.
+    pub watchdog: IndependentWatchdog<'static, IWDG>,
+    /// LD2.
+    pub led: Output<'static>,
+    /// High while the emergency stop is pressed or its wire broken.
+    pub emergency_stop: Input<'static>,
+    /// Why the chip started.
+    pub reset_cause: ResetCause,
+}
+
+/// Clocks: 170 MHz from the internal oscillator (boost mode), all buses undivided.
+fn clocks() -> Config {
+    use rcc::{Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
+    let mut config = Config::default();
+    config.rcc.hsi = true;
+    config.rcc.boost = true;
+    config.rcc.pll = Some(Pll {
+        source: PllSource::HSI,
+        prediv: PllPreDiv::DIV4,
+        mul: PllMul::MUL85,
+        divp: None,
+        divq: None,
+        divr: Some(PllRDiv::DIV2),
+    });
+    config.rcc.sys = Sysclk::PLL1_R;
+    config.rcc.mux.adc12sel = mux::Adcsel::SYS;
+    // every interrupt starts at 0, the highest; that belongs to the control step
+    config.bdma_interrupt_priority = Priority::P6;
+    config
+}
+
+impl Board {
+    /// Boots the board: clocks, pins, timers, converters. The amplifier is off and the force zero throughout.
+    #[must_use]
+    pub fn boot() -> Self {
+        let p = embassy_stm32::init(clocks());
+        let reset_cause = reset_cause();
+        // first of all: what keeps the amplifier off
+        let enable = Output::new(p.PB10, Level::Low, Speed::Low);
+        core::mem::forget(enable); // the pin keeps its mode; the interrupt writes it by BSRR
+        start_dac();
+        Flex::new(p.PA4).set_as_analog();
+        start_encoder(p.PA0, p.PA1);
+
+        let mut settings = usart::Config::default();
+        settings.baudrate = BAUD;
+        static TX: StaticCell<[u8; 1024]> = StaticCell::new();
+        static RX: StaticCell<[u8; 256]> = StaticCell::new();
+        // the pins and the rate are constants: it cannot be refused
+        let console =
+            BufferedUart::new(p.LPUART1, p.PA3, p.PA2, TX.init([0; 1024]), RX.init([0; 256]), Irqs, settings)
+                .expect("LPUART1 at 921 600 baud");
+
+        let adc = Adc::new(p.ADC1, AdcConfig::default());
+        pac::ADC1.cfgr2().modify(|w| {
+            w.set_jovse(true);
+            w.set_ovsr(3); // 16 conversions …
+            w.set_ovss(0); // … summed, not shifted: 16 bit
+        });
+        let time = SampleTime::CYCLES6_5;
+        let adc = adc.setup_injected_conversions(
+            [(p.PC0.degrade_adc(), time), (p.PC1.degrade_adc(), time)],
+            triggers::TIM6_TRGO,
+            Exten::RISING_EDGE,
+            true,
+        );
+        Self {
+            hardware: Hardware { adc },
+            console,
+            watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
+            led: Output::new(p.PA5, Level::Low, Speed::Low),
+            emergency_stop: Input::new(p.PC7, Pull::Up),
+            reset_cause,
+        }
+    }
+
+    /// Starts the loop: from here on `step` runs in the control interrupt. Returns what the tasks need.
+    pub fn start(self, step: &'static mut dyn ControlStep) -> Rest {
+        let Self { hardware, console, watchdog, led, emergency_stop, reset_cause } = self;
+        LOOP.lock(|cell| cell.replace(Some(Loop { hardware, step })));
+        interrupt::ADC1_2.set_priority(Priority::P0);
+        interrupt::LPUART1.set_priority(Priority::P6);
+        interrupt::TIM4.set_priority(Priority::P7); // embassy-time
+        // SAFETY: no critical section of ours is broken by enabling it here, outside of any.
+        unsafe { interrupt::ADC1_2.enable() };
+        start_pace();
+        Rest { console, watchdog, led, emergency_stop, reset_cause }
+    }
+}
+
+/// What is left of the board for the tasks once the loop runs.
+pub struct Rest {
+    /// Serial line.
+    pub console: BufferedUart<'static>,
+    /// Not yet running.
+    pub watchdog: IndependentWatchdog<'static, IWDG>,
+    /// LD2.
+    pub led: Output<'static>,
+    /// High while the emergency stop is pressed or its wire broken.
+    pub emergency_stop: Input<'static>,
+    /// Why the chip started.
+    pub reset_cause: ResetCause,
+}
+
+/// TIM2 counts quadrature edges, all four of a period, through a filter of 94 ns; TIM5 captures its own count
+/// on each of them.
+fn start_encoder(a: Peri<'static, PA0>, b: Peri<'static, PA1>) {
+    rcc::enable_and_reset::<TIM2>();
+    rcc::enable_and_reset::<TIM5>();
+    for mut pin in [Flex::new(a), Flex::new(b)] {
+        pin.set_as_af_unchecked(1, AfType::input(Pull::Up));
+        core::mem::forget(pin); // dropping it would disconnect the pin
+    }
+    let (tim2, tim5) = (pac::TIM2, pac::TIM5);
+    tim2.ccmr_input(0).write(|w| {
+        for channel in 0..2 {
+            w.set_ccs(channel, CcmrInputCcs::TI4); // its own input
+            w.set_icf(channel, FilterValue::FDTS_DIV2_N8);
+        }
+    });
+    tim2.smcr().write(|w| w.set_sms(Sms::ENCODER_MODE_3));
+    tim2.cr2().write(|w| w.set_mms(Mms::ENCODER_CLOCK_OUTPUT));
+    tim2.arr().write_value(u32::MAX);
+
+    tim5.arr().write_value(u32::MAX);
+    tim5.smcr().write(|w| w.set_ts(Ts::ITR1)); // TIM2's trigger output
+    tim5.ccmr_input(0).write(|w| w.set_ccs(0, CcmrInputCcs::TRC));
+    tim5.ccer().write(|w| w.set_cce(0, true));
+    tim5.cr1().write(|w| w.set_cen(true));
+    tim2.cr1().write(|w| w.set_cen(true));
+}
+
+/// DAC1 channel 1 on its pin, at zero force, put out on TIM7's trigger.
+fn start_dac() {
+    rcc::enable_and_reset::<peripherals::DAC1>();
+    pac::DAC1.mcr().write(|w| w.set_hfsel(2)); // the bus is faster than 160 MHz
+    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
+    // without a trigger the holding register goes through at once: zero force before the loop runs
+    pac::DAC1.cr().write(|w| w.set_en(0, true));
+    cortex_m::asm::delay(TICK_HZ / 100_000); // 10 µs: the output stage wakes up
+    pac::DAC1.cr().modify(|w| {
+        w.set_tsel(0, 2); // TIM7_TRGO
+        w.set_ten(0, true);
+    });
+}
+
+/// TIM6 starts the conversions, TIM7 puts out the force, in phase for ever: the same clock, the same period.
+fn start_pace() {
+    rcc::enable_and_reset::<TIM6>();
+    rcc::enable_and_reset::<TIM7>();
+    for timer in [pac::TIM6, pac::TIM7] {
+        timer.psc().write_value((PACE_DIVIDER - 1) as u16);
+        timer.arr().write(|w| w.set_arr((PACE_PERIOD - 1) as u16));
+        timer.egr().write(|w| w.set_ug(true)); // loads both; before the trigger output is connected
+        timer.cr2().write(|w| w.set_mms(Mms::UPDATE));
+    }
+    // both come to their update LATCH_COUNTS apart
+    pac::TIM7.cnt().write(|w| w.set_cnt((PACE_PERIOD - LATCH_COUNTS) as u16));
+    critical_section::with(|_| {
+        pac::TIM6.cr1().write(|w| w.set_cen(true));
+        pac::TIM7.cr1().write(|w| w.set_cen(true));
+    });
+}
+
+/// Reads and clears the reset flags.
+fn reset_cause() -> ResetCause {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    if flags.iwdgrstf() {
+        ResetCause::Watchdog
+    } else if flags.sftrstf() {
+        ResetCause::Software
+    } else {
+        ResetCause::Power
+    }
+}
