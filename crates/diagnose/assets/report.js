@@ -63,7 +63,7 @@
       width: width,
       height: height(spec, width),
       legend: { show: false },
-      padding: [10, 10, 0, 0],
+      padding: [10, 22, 0, 0],
       cursor: {
         y: false,
         sync: spec.sync ? { key: spec.sync, setSeries: false } : undefined,

@@ -135,10 +135,7 @@ impl Chart {
     pub(super) fn figure(&self, id: &str) -> String {
         let mut keys = String::new();
         let key = |class: &str, colour: &str, label: &str| {
-            format!(
-                r#"<span class="key {class}" style="--c:var(--{colour})">{}</span>"#,
-                escape(label)
-            )
+            format!(r#"<span class="key {class}" style="--c:var(--{colour})">{}</span>"#, escape(label))
         };
         for s in self.series.iter().filter(|s| s.stroke != Stroke::Edge && !s.label.is_empty()) {
             let class = if s.stroke == Stroke::Points { "points" } else { "line" };

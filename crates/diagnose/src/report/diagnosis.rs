@@ -43,7 +43,8 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
         escape(&d.summary)
     ));
     let unit = escape(&d.noise_floor.unit);
-    let mut rows: Vec<(&str, f64, &str)> = vec![("without the missing physics", d.baseline.rms_heldout, "before")];
+    let mut rows: Vec<(&str, f64, &str)> =
+        vec![("without the missing physics", d.baseline.rms_heldout, "before")];
     if !d.missing.is_empty() {
         rows.push(("with it", d.after.rms_heldout, "after"));
     }
@@ -55,7 +56,7 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
         for (label, value, ink) in rows {
             let _ = write!(
                 ladder,
-                r#"<span class="l">{label}</span><span class="track"><i style="width:{:.1}%;background:var(--{ink})"></i></span><span class="n">{} {unit}</span>"#,
+                r#"<div class="rung"><span>{label}</span><span class="track"><i style="width:{:.1}%;background:var(--{ink})"></i></span><span class="n">{} {unit}</span></div>"#,
                 100.0 * value / longest,
                 number(value, 3)
             );
@@ -74,7 +75,11 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
 fn conviction(page: &mut Page, d: &Diagnosis) {
     let curves: Vec<&Curve> = d.figures.curves.iter().filter(|c| c.bins.len() >= 2).collect();
     let Some((first, rest)) = curves.split_first() else { return };
-    page.heading(if d.verdict == Verdict::Mismatch { "Where the simulation goes wrong" } else { "The residual, looked at from every side" });
+    page.heading(if d.verdict == Verdict::Mismatch {
+        "Where the simulation goes wrong"
+    } else {
+        "The residual, looked at from every side"
+    });
     page.chart(&residual_over(first, d, 340).caption(hero_caption(first, d)));
     if !d.location.is_empty() {
         page.html(locations(&d.location));
@@ -140,7 +145,7 @@ fn residual_over(curve: &Curve, d: &Diagnosis, height: u32) -> Chart {
 
 fn locations(locations: &[Location]) -> String {
     let mut out = String::from(
-        r#"<div class="scroll"><table><tr><th>coordinate</th><th class="n">from</th><th class="n">to</th><th>unit</th><th class="n">share of the mismatch</th><th class="n">p</th></tr>"#,
+        r#"<div class="scroll"><table><tr><th>coordinate</th><th class="n">from</th><th class="n">to</th><th>unit</th><th class="n">share</th><th class="n">p</th></tr>"#,
     );
     for l in locations {
         let _ = write!(
@@ -250,7 +255,12 @@ fn comparison(page: &mut Page, d: &Diagnosis) {
                 .height(220)
                 .sync("time")
                 .series("measured", Ink::Measured, Stroke::Line, line(&f.position))
-                .series("simulated from the start, no correction", Ink::After, Stroke::Dashed, line(&f.free_run_position)),
+                .series(
+                    "simulated from the start, no correction",
+                    Ink::After,
+                    Stroke::Dashed,
+                    line(&f.free_run_position),
+                ),
         );
     }
 }
@@ -268,19 +278,18 @@ fn recording(page: &mut Page, d: &Diagnosis) {
     let (time, starts) = laid_end_to_end(&f.time);
     let length = length_unit(&d.noise_floor.unit);
     page.heading("The recording");
-    for (title, values) in [(format!("position, {length}"), &f.position), (format!("velocity, {length}/s"), &f.velocity)] {
-        page.chart(
-            &Chart::new(title, "time, s", time.clone())
-                .height(180)
-                .sync("time")
-                .series("measured", Ink::Measured, Stroke::Line, broken_at(values, &starts)),
-        );
+    for (title, values) in
+        [(format!("position, {length}"), &f.position), (format!("velocity, {length}/s"), &f.velocity)]
+    {
+        page.chart(&Chart::new(title, "time, s", time.clone()).height(180).sync("time").series(
+            "measured",
+            Ink::Measured,
+            Stroke::Line,
+            broken_at(values, &starts),
+        ));
     }
     if !starts.is_empty() {
-        page.html(format!(
-            r#"<p class="soft">{} recordings, laid end to end.</p>"#,
-            starts.len() + 1
-        ));
+        page.html(format!(r#"<p class="soft">{} recordings, laid end to end.</p>"#, starts.len() + 1));
     }
 }
 
@@ -302,7 +311,8 @@ fn excluded(page: &mut Page, d: &Diagnosis) {
             r#"<div class="scroll"><table><tr><th>effect</th><th class="n">at most (rms)</th><th>unit</th></tr>"#,
         );
         for r in &d.rejected {
-            let share = if top > 0.0 && r.upper_bound.is_finite() { 100.0 * r.upper_bound / top } else { 0.0 };
+            let share =
+                if top > 0.0 && r.upper_bound.is_finite() { 100.0 * r.upper_bound / top } else { 0.0 };
             let _ = write!(
                 table,
                 r#"<tr><td>{}</td><td class="n">{}<span class="meter"><i style="width:{share:.0}%"></i></span></td><td>{}</td></tr>"#,

@@ -16,4 +16,4 @@ mod text;
 mod tests;
 
 pub use diagnosis::html;
-pub use identification::{Scatter, identification_html};
+pub use identification::{Identified, Undetermined, identification_html};

@@ -1,7 +1,7 @@
 //! The report on a made-up diagnosis: what must hold whatever the recording says. With `TRIBOS_REPORT_DIR`
 //! set, the pages are written there to be looked at.
 
-use super::html;
+use super::{Identified, Undetermined, html, identification_html};
 use crate::*;
 use std::collections::BTreeMap;
 
@@ -22,24 +22,31 @@ fn stribeck(n: usize) -> Diagnosis {
     let force: Vec<f64> = (0..n).map(|i| plain(i) + missing(velocity[i]) + noise(i)).collect();
     let before: Vec<f64> = (0..n).map(|i| plain(i) + 0.05 * velocity[i].signum()).collect();
     let after: Vec<f64> = (0..n).map(|i| plain(i) + missing(velocity[i])).collect();
-    let curve = |coordinate: &str, unit: &str, subset: &str, from: f64, to: f64, f: &dyn Fn(f64) -> f64| Curve {
-        coordinate: coordinate.into(),
-        unit: unit.into(),
-        subset: subset.into(),
-        bins: (0..40)
-            .map(|i| {
-                let at = from + (to - from) * (i as f64 + 0.5) / 40.0;
-                Bin { at, before: f(at) + 0.1 * noise(i), after: 0.12 * noise(i + 7), band: 0.03 + 0.01 * noise(3 * i).abs() }
-            })
-            .collect(),
-    };
+    let curve =
+        |coordinate: &str, unit: &str, subset: &str, from: f64, to: f64, f: &dyn Fn(f64) -> f64| Curve {
+            coordinate: coordinate.into(),
+            unit: unit.into(),
+            subset: subset.into(),
+            bins: (0..40)
+                .map(|i| {
+                    let at = from + (to - from) * (i as f64 + 0.5) / 40.0;
+                    Bin {
+                        at,
+                        before: f(at) + 0.1 * noise(i),
+                        after: 0.12 * noise(i + 7),
+                        band: 0.03 + 0.01 * noise(3 * i).abs(),
+                    }
+                })
+                .collect(),
+        };
     let odd = |v: f64| missing(v) - 0.06 * v.signum();
     Diagnosis {
         schema: SCHEMA,
         verdict: Verdict::Mismatch,
-        summary: "Below 12 mm/s the surface holds more than the simulation says: friction falls as sliding begins \
+        summary:
+            "Below 12 mm/s the surface holds more than the simulation says: friction falls as sliding begins \
                   (Stribeck), and that explains 97 % of what was wrong."
-            .into(),
+                .into(),
         recording_faults: vec![],
         noise_floor: NoiseFloor { rms: 0.062, unit: "N".into(), how: "repeats".into() },
         baseline: Baseline {
@@ -84,7 +91,11 @@ fn stribeck(n: usize) -> Diagnosis {
         rejected: ["backlash", "quadratic_drag", "position_dependent_friction"]
             .iter()
             .enumerate()
-            .map(|(i, e)| Rejected { effect: (*e).into(), upper_bound: 0.004 * (i + 1) as f64, unit: "N".into() })
+            .map(|(i, e)| Rejected {
+                effect: (*e).into(),
+                upper_bound: 0.004 * (i + 1) as f64,
+                unit: "N".into(),
+            })
             .collect(),
         after: After { rms_heldout: 0.066, free_run_error: Some(1.2e-3), explained_share: 0.97 },
         remainder: Remainder { rms: 0.02, located_at: vec![] },
@@ -172,7 +183,10 @@ fn nothing_to_draw_and_nothing_finite_still_make_a_page() {
     d.noise_floor.rms = f64::NAN;
     d.baseline.rms_heldout = f64::INFINITY;
     let page = html(&d, "");
-    assert!(page.contains("This recording cannot answer") && page.contains("<script type=\"application/json\" id=\"figures\">[]"));
+    assert!(
+        page.contains("This recording cannot answer")
+            && page.contains("<script type=\"application/json\" id=\"figures\">[]")
+    );
     let mut d = stribeck(50);
     d.figures.force.fill(f64::NAN);
     d.figures.time[7] = f64::NAN;
@@ -182,4 +196,46 @@ fn nothing_to_draw_and_nothing_finite_still_make_a_page() {
     let page = html(&d, "nan");
     assert!(!page.contains("NaN,") && !page.contains("inf,"));
     look("not_finite.html", &page);
+}
+
+#[test]
+fn an_identification_says_what_it_could_not_determine() {
+    let d = stribeck(2000);
+    let f = &d.figures;
+    let friction: Vec<f64> =
+        f.velocity.iter().zip(&f.force).map(|(v, _)| 1.75 * v.signum() + 0.1 * (v * 1e4).sin()).collect();
+    let inertia: Vec<f64> = f.position.iter().map(|x| -0.41 * 157.9 * x).collect();
+    let found = Identified {
+        name: "<teflon>".into(),
+        law: "dahl".into(),
+        force_unit: "N".into(),
+        samples: 2000,
+        relative_error: 0.0311,
+        parameters: d.baseline.parameters.clone(),
+        undetermined: vec![Undetermined {
+            parameter: "sigma".into(),
+            because: "no reversal is slow enough".into(),
+            experiment: "move sine 0.0005 1 10".into(),
+        }],
+        faults: vec![],
+        how: vec!["Fuller's estimator (eq. 3.9)".into()],
+        time: f.time.clone(),
+        velocity: f.velocity.clone(),
+        force: friction.iter().zip(&inertia).map(|(a, b)| a + b).collect(),
+        predicted: f.velocity.iter().zip(&inertia).map(|(v, i)| 1.75 * v.signum() + i).collect(),
+        friction,
+    };
+    let page = identification_html(&found);
+    look("identification.html", &page);
+    for needed in [
+        "Dahl friction",
+        "&lt;teflon&gt;",
+        "sigma is not identifiable",
+        "3.11\u{a0}%",
+        "fitted law",
+        "Fuller&#39;s",
+    ] {
+        assert!(page.contains(needed), "missing: {needed}");
+    }
+    assert!(identification_html(&Identified::default()).contains("</html>"));
 }

@@ -1,0 +1,50 @@
+//! The command line as a whole.
+
+use crate::commands::{connect, convert, demo, diagnose, identify, predict, record, simulate};
+use crate::failure::{Outcome, Result};
+use clap::{Parser, Subcommand};
+
+/// Records real sliding, identifies its friction, and finds the physics a simulation left out.
+#[derive(Debug, Parser)]
+#[command(name = "tribos", version, about, propagate_version = true, disable_help_subcommand = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// The whole story on the virtual device, without hardware, in under a minute
+    Demo(demo::Args),
+    /// A console on a device, with a live plot
+    Connect(connect::Args),
+    /// Move a device and record it
+    Record(record::Args),
+    /// Identify mass and friction from recordings
+    Identify(identify::Args),
+    /// Find out where a simulation goes wrong on recordings, and what physics it left out
+    Diagnose(diagnose::Args),
+    /// Predict the force of a recording with a model
+    Predict(predict::Args),
+    /// Move a simulated rig with a model's friction and record it
+    Simulate(simulate::Args),
+    /// Convert a recording: csv, mat (v5) in; csv, mcap out
+    Convert(convert::Args),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad usage or bad input, exit code 2; nothing half-written is left behind.
+pub fn run(cli: &Cli) -> Result<Outcome> {
+    match &cli.command {
+        Command::Demo(args) => demo::run(args),
+        Command::Connect(args) => connect::run(args),
+        Command::Record(args) => record::run(args),
+        Command::Identify(args) => identify::run(args),
+        Command::Diagnose(args) => diagnose::run(args),
+        Command::Predict(args) => predict::run(args),
+        Command::Simulate(args) => simulate::run(args),
+        Command::Convert(args) => convert::run(args),
+    }
+}

@@ -1,0 +1,27 @@
+//! `tribos connect PORT | sim`
+
+use crate::console;
+use crate::failure::{Outcome, Result};
+use crate::session::Session;
+use std::io::IsTerminal;
+
+/// Options of `connect`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Serial port of the device, or `sim` for the virtual device
+    #[arg(value_name = "PORT|sim")]
+    port: String,
+    /// Seed of the virtual device
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome> {
+    let mut session = Session::open(&args.port, args.seed)?;
+    if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
+        console::screen(&mut session, &args.port)?;
+    } else {
+        console::lines(&mut session)?;
+    }
+    Ok(Outcome::Done)
+}

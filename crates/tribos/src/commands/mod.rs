@@ -1,0 +1,10 @@
+//! One file a subcommand: its options and what it does.
+
+pub mod connect;
+pub mod convert;
+pub mod demo;
+pub mod diagnose;
+pub mod identify;
+pub mod predict;
+pub mod record;
+pub mod simulate;

@@ -1,0 +1,90 @@
+//! Options several commands share, and the values they accept.
+
+use clap::ValueEnum;
+use std::path::PathBuf;
+
+/// Friction law to identify.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum LawChoice {
+    /// Asymmetric Coulomb and viscous friction with static levels (modified Karnopp, eq. 3.1)
+    #[default]
+    Karnopp,
+    /// Presliding spring into a viscous slide (modified Dahl, eq. 3.2, 3.3)
+    Dahl,
+}
+
+/// How positions become velocities and accelerations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum PreprocessChoice {
+    /// One zero-phase filter on every signal and every regressor
+    #[default]
+    Tribos,
+    /// The filtering and decimation published with the EMPS data
+    Emps,
+    /// The columns as recorded; what is missing by four-point differences
+    Thesis,
+}
+
+/// Recordings to read.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Recordings {
+    /// Recordings: CSV with units in the header, or .mat (v5) with --map
+    #[arg(required = true, value_name = "REC")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub mapping: Mapping,
+}
+
+/// What the variables of a .mat file mean.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct Mapping {
+    /// Signals from variables of a .mat file, e.g. position_m=qm,force_n=gtau*vir
+    #[arg(long, value_name = "SIGNAL=VARIABLE,…")]
+    pub map: Option<String>,
+}
+
+/// Where results go.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct Results {
+    /// Write the model found, ready for predict, simulate and the device
+    #[arg(long, value_name = "model.toml")]
+    pub out: Option<PathBuf>,
+    /// Write the result as JSON, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write a self-contained HTML report
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+}
+
+impl Results {
+    /// Refuses what cannot be written before anything is computed.
+    ///
+    /// # Errors
+    /// The first file that cannot be written.
+    pub(crate) fn check(&self) -> crate::failure::Result<()> {
+        [&self.out, &self.json, &self.report].into_iter().flatten().try_for_each(|p| crate::files::check_writable(p))
+    }
+
+    /// Standard output belongs to the JSON.
+    pub(crate) fn json_on_stdout(&self) -> bool {
+        self.json.as_deref() == Some(std::path::Path::new("-"))
+    }
+}
+
+/// A length of time: finite and above zero.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    positive(text, "seconds", 3600.0)
+}
+
+/// A noise level: finite and above zero.
+pub(crate) fn noise(text: &str) -> Result<f64, String> {
+    positive(text, "a standard deviation in N (or N·m)", 1e6)
+}
+
+fn positive(text: &str, what: &str, most: f64) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(v) if v.is_finite() && v > 0.0 && v <= most => Ok(v),
+        _ => Err(format!("{what}, above 0 and up to {most}, is accepted")),
+    }
+}

@@ -1,0 +1,80 @@
+//! Bytes to a device and back: a serial port, or the virtual device inside this process.
+
+use crate::failure::{Failure, Result};
+use crate::files::reason;
+use std::io::{Read, Write};
+use std::time::Duration;
+use tribos_firmware::VirtualDevice;
+
+/// A line to a device.
+pub trait Transport {
+    /// Sends bytes; they have left when this returns.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn send(&mut self, bytes: &[u8]) -> Result<()>;
+
+    /// Appends what has arrived; waits a few milliseconds for it, on the virtual device a few milliseconds of
+    /// *its* time.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn receive(&mut self, out: &mut Vec<u8>) -> Result<()>;
+
+    /// Runs faster than real time, so that nothing is gained by waiting for it.
+    fn is_virtual(&self) -> bool;
+}
+
+/// A serial port, or a pseudo-terminal such as the one `cargo run` prints.
+pub struct Port {
+    name: String,
+    port: Box<dyn serialport::SerialPort>,
+}
+
+impl Port {
+    /// Opens `name` at 921 600 baud.
+    ///
+    /// # Errors
+    /// No such port, or it is taken; names the ports that are there.
+    pub fn open(name: &str) -> Result<Self> {
+        let port = serialport::new(name, 921_600).timeout(Duration::from_millis(5)).open().map_err(|e| {
+            let there: Vec<String> =
+                serialport::available_ports().unwrap_or_default().into_iter().map(|p| p.port_name).collect();
+            let there = match there.len() {
+                0 => "no serial port was found; `sim` is the virtual device, or start one with `cargo run --release`".into(),
+                _ => format!("ports found: {}; `sim` is the virtual device", there.join(", ")),
+            };
+            let text = e.to_string();
+            Failure::new(format!("port {name}: cannot be opened: {}", text.trim_end_matches('.'))).help(there)
+        })?;
+        Ok(Self { name: name.into(), port })
+    }
+
+    fn gone(&self, e: &std::io::Error) -> Failure {
+        Failure::new(format!("port {}: the line is gone: {}", self.name, reason(e)))
+    }
+}
+
+impl Transport for Port {
+    fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        let sent = self.port.write_all(bytes).and_then(|()| self.port.flush());
+        sent.map_err(|e| self.gone(&e))
+    }
+
+    fn receive(&mut self, out: &mut Vec<u8>) -> Result<()> {
+        let mut chunk = [0; 4096];
+        match self.port.read(&mut chunk) {
+            Ok(0) => Err(self.gone(&std::io::ErrorKind::UnexpectedEof.into())),
+            Ok(n) => {
+                out.extend_from_slice(&chunk[..n]);
+                Ok(())
+            }
+            Err(e) if matches!(e.kind(), std::io::ErrorKind::TimedOut | std::io::ErrorKind::Interrupted) => Ok(()),
+            Err(e) => Err(self.gone(&e)),
+        }
+    }
+
+    fn is_virtual(&self) -> bool {
+        false
+    }
+}
