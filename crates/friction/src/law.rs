@@ -7,7 +7,7 @@ use core::fmt;
 ///
 /// Sign: a law returns the friction force *opposing* positive motion, so that m·a = F_applied − F_friction
 /// (eq. 3.4).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion<S> {
     /// Length of the step, s.
     pub dt: S,
@@ -23,6 +23,45 @@ pub struct Motion<S> {
     pub mass: S,
     /// Normal load, N, where it is known.
     pub normal: Option<S>,
+}
+
+impl<S: Scalar> Default for Motion<S> {
+    fn default() -> Self {
+        let zero = S::zero();
+        Self {
+            dt: zero,
+            position: zero,
+            displacement: zero,
+            velocity: zero,
+            applied: zero,
+            mass: zero,
+            normal: None,
+        }
+    }
+}
+
+impl<S: Scalar> Motion<S> {
+    /// The friction that would bring the body to rest at the end of this step: m v / dt + F_a, N. F_a alone where
+    /// there is no mass or no time.
+    pub fn stopping_force(&self) -> S {
+        if self.mass > S::zero() && self.dt > S::zero() {
+            self.mass * self.velocity / self.dt + self.applied
+        } else {
+            self.applied
+        }
+    }
+
+    /// Whether every number that is there is finite. A law answers a motion that is not with NaN and keeps its
+    /// memory as it was, so one bad sample shows and does not last.
+    pub fn is_finite(&self) -> bool {
+        self.dt.is_finite()
+            && self.position.is_finite()
+            && self.displacement.is_finite()
+            && self.velocity.is_finite()
+            && self.applied.is_finite()
+            && self.mass.is_finite()
+            && self.normal.is_none_or(S::is_finite)
+    }
 }
 
 /// A friction law. `self` is configuration and never changes during a step; what the law remembers is in

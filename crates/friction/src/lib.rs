@@ -11,8 +11,22 @@
 #[cfg(test)]
 extern crate std;
 
+mod any;
+mod coulomb;
+mod dahl;
+#[cfg(feature = "dual")]
+mod dual;
+pub mod effects;
+mod karnopp;
 mod law;
+mod limits;
+mod lugre;
 mod scalar;
 
+pub use any::{Law, LawState};
+pub use coulomb::{Coulomb, CoulombState};
+pub use dahl::{Dahl, DahlState};
+pub use karnopp::Karnopp;
 pub use law::{Custom, FrictionLaw, Invalid, Motion, in_range};
+pub use lugre::{LuGre, LuGreState};
 pub use scalar::Scalar;

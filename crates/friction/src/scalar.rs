@@ -10,7 +10,7 @@ use num_traits::{Num, NumAssignOps};
 /// compute bit for bit what the target computes, and `num_traits` silently changes its backend when any
 /// crate of the workspace turns on its `std` feature.
 pub trait Scalar:
-    Copy + Debug + Default + PartialOrd + Num + NumAssignOps + core::ops::Neg<Output = Self> + 'static
+    Copy + Debug + PartialOrd + Num + NumAssignOps + core::ops::Neg<Output = Self> + 'static
 {
     /// The nearest representable value of a constant.
     fn lit(value: f64) -> Self;
@@ -59,6 +59,10 @@ pub trait Scalar:
     fn is_finite(self) -> bool {
         self.re().is_finite()
     }
+    /// Whether this number carries a derivative, so that a shortcut for one value would lose it.
+    fn has_derivative(self) -> bool {
+        false
+    }
 }
 
 macro_rules! scalar_by_libm {
@@ -87,6 +91,10 @@ macro_rules! scalar_by_libm {
             }
             fn powf(self, p: Self) -> Self {
                 libm::$pow(self, p)
+            }
+            // not by way of f64, which is software on the target
+            fn is_finite(self) -> bool {
+                <$float>::is_finite(self)
             }
         }
     };

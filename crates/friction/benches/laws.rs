@@ -1,0 +1,4 @@
+//! Time of one step of each law.
+fn main() {
+    divan::main();
+}

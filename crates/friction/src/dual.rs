@@ -1,0 +1,59 @@
+//! Dual numbers as scalars: the derivative of a law, by running the law.
+//!
+//! Real parts go through `libm` like everywhere else, so the value of a force does not depend on whether its
+//! derivative was asked for. Where a derivative is infinite (√x, or x^p with p < 1, at x = 0) it is taken as 0:
+//! infinity times zero would poison the others with NaN.
+
+use crate::Scalar;
+use num_dual::{Derivative, Dual64, DualSVec64};
+
+fn finite_or_zero(slope: f64) -> f64 {
+    if slope.is_finite() { slope } else { 0.0 }
+}
+
+macro_rules! scalar_by_chain_rule {
+    (impl [$($generics:tt)*] for $dual:ty, constant: $constant:expr, carries: $carries:expr) => {
+        impl<$($generics)*> Scalar for $dual {
+            fn lit(value: f64) -> Self {
+                Self::new(value, $constant)
+            }
+            fn re(self) -> f64 {
+                self.re
+            }
+            fn exp(self) -> Self {
+                let value = libm::exp(self.re);
+                Self::new(value, self.eps * finite_or_zero(value))
+            }
+            fn ln(self) -> Self {
+                Self::new(libm::log(self.re), self.eps * finite_or_zero(1.0 / self.re))
+            }
+            fn sqrt(self) -> Self {
+                let value = libm::sqrt(self.re);
+                Self::new(value, self.eps * finite_or_zero(0.5 / value))
+            }
+            fn sin(self) -> Self {
+                Self::new(libm::sin(self.re), self.eps * finite_or_zero(libm::cos(self.re)))
+            }
+            fn cos(self) -> Self {
+                Self::new(libm::cos(self.re), self.eps * finite_or_zero(-libm::sin(self.re)))
+            }
+            fn powf(self, p: Self) -> Self {
+                let value = libm::pow(self.re, p.re);
+                let by_base = p.re * libm::pow(self.re, p.re - 1.0);
+                let by_power = value * libm::log(self.re);
+                Self::new(value, self.eps * finite_or_zero(by_base) + p.eps * finite_or_zero(by_power))
+            }
+            fn has_derivative(self) -> bool {
+                let carries: fn(&Self) -> bool = $carries;
+                carries(&self)
+            }
+        }
+    };
+}
+
+scalar_by_chain_rule!(impl [] for Dual64, constant: 0.0, carries: |x| x.eps != 0.0);
+scalar_by_chain_rule!(
+    impl [const N: usize] for DualSVec64<N>,
+    constant: Derivative::none(),
+    carries: |x| x.eps.0.is_some()
+);

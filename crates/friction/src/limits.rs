@@ -1,0 +1,23 @@
+//! Bounds shared by the laws: what a parameter may be, and what a force may become.
+
+use crate::Scalar;
+
+/// Largest friction level, N: above anything on a bench, below what loses digits in `f32`.
+pub(crate) const LEVEL: f64 = 1e6;
+/// Largest viscous coefficient, N·s/m.
+pub(crate) const VISCOUS: f64 = 1e6;
+/// Largest stiffness, N/m.
+pub(crate) const STIFFNESS: f64 = 1e12;
+/// No law returns more than this, N: a finite motion gives a finite force even where b·v would overflow.
+const FORCE: f64 = 1e30;
+
+/// The force, limited to what `f32` still holds.
+pub(crate) fn bounded<S: Scalar>(force: S) -> S {
+    force.clamp(S::lit(-FORCE), S::lit(FORCE))
+}
+
+/// Level plus viscous friction at `speed` ≥ 0, never below zero: with a negative coefficient the line would
+/// cross zero at high speed and friction would drive.
+pub(crate) fn sliding<S: Scalar>(level: S, viscous: S, speed: S) -> S {
+    (level + viscous * speed).max(S::zero())
+}
