@@ -1,0 +1,199 @@
+//! Stability and limit-cycle bounds of chapter 4, closed form.
+//!
+//! The device is eq. 4.14 (mass m, damping b) sampled with period T through a zero-order hold, so E = e^(−T/τ) and
+//! τ = m/b. `f64`: the differences below cancel four digits, which `f32` does not have to give away. None of this
+//! runs in the control step.
+
+/// E = e^(−T/τ): what is left of a velocity after one period.
+fn decay(mass: f64, damping: f64, period: f64) -> f64 {
+    libm::exp(-damping * period / mass)
+}
+
+/// 1 − e^(−x)(1 + x), without the cancellation at small x.
+fn one_minus_decay(x: f64) -> f64 {
+    if x < 0.05 {
+        x * x * (0.5 - x * (1.0 / 3.0 - x * (0.125 - x * (1.0 / 30.0 - x / 144.0))))
+    } else {
+        1.0 - libm::exp(-x) * (1.0 + x)
+    }
+}
+
+/// Largest gain K_p of the stuck state, N/m (from eq. 4.18; eq. 4.19 is misprinted): b(1−E)/(τ−τE−TE).
+///
+/// ```
+/// // m = 1 kg, b = 10 N·s/m, T = 1 ms: "about 20,000" in the thesis
+/// assert!((haptics::bounds::kp_max(1.0, 10.0, 1e-3) - 20_033.4).abs() < 0.05);
+/// ```
+#[must_use]
+pub fn kp_max(mass: f64, damping: f64, period: f64) -> f64 {
+    stiffness_max(mass, damping, period, 0.0)
+}
+
+/// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes, with an exact velocity and no delay: the two
+/// Jury conditions that can fail, det < 1 and 1 + trace + det > 0, of the sampled device. `coupling_damping` = 0
+/// is [`kp_max`]. Zero where `coupling_damping` alone is already too much.
+#[must_use]
+pub fn stiffness_max(mass: f64, damping: f64, period: f64, coupling_damping: f64) -> f64 {
+    // x' = x + α v + β u, v' = E v + γ u, all divided through so that b → 0 stays finite
+    let x = damping * period / mass;
+    let e = decay(mass, damping, period);
+    let (gamma, alpha) = if x < 1e-9 {
+        (period / mass, period)
+    } else {
+        let one_minus_e = -libm::expm1(-x);
+        (one_minus_e / damping, one_minus_e * mass / damping)
+    };
+    // γα − βE = τ(1 − E − xE)/b, and β = (T − α)/b by its series partner
+    let curl = if x < 1e-9 {
+        period * period / (2.0 * mass)
+    } else {
+        mass * one_minus_decay(x) / (damping * damping)
+    };
+    let beta = if x < 1e-4 { period * period / mass * (0.5 - x / 6.0) } else { (period - alpha) / damping };
+    let by_determinant = (x_or(1.0 - e, x) + gamma * coupling_damping) / curl;
+    let flip = 2.0 + 2.0 * e - 2.0 * gamma * coupling_damping;
+    let slope = beta + beta * e - gamma * alpha;
+    let limit = if flip <= 0.0 {
+        0.0
+    } else if slope > 0.0 {
+        by_determinant.min(flip / slope)
+    } else {
+        by_determinant
+    };
+    limit.max(0.0)
+}
+
+/// 1 − E, exact for the smallest x.
+fn x_or(one_minus_e: f64, x: f64) -> f64 {
+    if x < 1e-6 { x } else { one_minus_e }
+}
+
+/// Largest damping, N·s/m, that the sampled device takes with no stiffness: b(1+E)/(1−E).
+#[must_use]
+pub fn damping_max(mass: f64, damping: f64, period: f64) -> f64 {
+    friction_max(mass, damping, period, 1.0)
+}
+
+/// Largest dynamic friction, N, without the zero-crossing limit cycle on the bare device, for a dead band `dv` in
+/// m/s (eq. 4.21): b·DV·(1+E)/(1−E). The printed minus sign is a direction.
+#[must_use]
+pub fn friction_max(mass: f64, damping: f64, period: f64, dv: f64) -> f64 {
+    let x = damping * period / mass;
+    if x < 1e-9 {
+        return 2.0 * mass * dv / period;
+    }
+    damping * dv * (1.0 + decay(mass, damping, period)) / -libm::expm1(-x)
+}
+
+/// Velocity amplitude, m/s, of the zero-crossing limit cycle with the virtual coupling and a handle held still
+/// (eq. 4.35): 2FT/(4M − KT² − 2BT). Infinite at and beyond the singularity, where the block itself is unstable.
+#[must_use]
+pub fn limit_cycle_velocity(friction: f64, mass: f64, stiffness: f64, damping: f64, period: f64) -> f64 {
+    let room = 4.0 * mass - stiffness * period * period - 2.0 * damping * period;
+    if room > 0.0 { 2.0 * friction * period / room } else { f64::INFINITY }
+}
+
+/// Position amplitude of the same limit cycle, m: vT/2 by eq. 4.31 (eq. 4.36 is printed twice too large).
+#[must_use]
+pub fn limit_cycle_position(friction: f64, mass: f64, stiffness: f64, damping: f64, period: f64) -> f64 {
+    limit_cycle_velocity(friction, mass, stiffness, damping, period) * period / 2.0
+}
+
+/// Coupling damping B, N·s/m, at which eq. 4.35 is singular: (4M − KT²)/2T.
+#[must_use]
+pub fn damping_singular(mass: f64, stiffness: f64, period: f64) -> f64 {
+    (4.0 * mass - stiffness * period * period) / (2.0 * period)
+}
+
+/// Coupling stiffness K, N/m, at which eq. 4.35 is singular: (4M − 2BT)/T².
+#[must_use]
+pub fn stiffness_singular(mass: f64, damping: f64, period: f64) -> f64 {
+    (4.0 * mass - 2.0 * damping * period) / (period * period)
+}
+
+/// Damping to spare, N·s/m, of b > KT/2 + B (Colgate & Schenkel): at or above zero the coupling is passive with
+/// *any* hand. It is sufficient, not necessary; a grasp brings damping of its own.
+#[must_use]
+pub fn passivity_margin(damping: f64, stiffness: f64, coupling_damping: f64, period: f64) -> f64 {
+    damping - (stiffness * period / 2.0 + coupling_damping)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::println;
+
+    const T: f64 = 1e-3;
+
+    #[test]
+    fn checked_numbers_of_the_thesis() {
+        let kp = kp_max(1.0, 10.0, T);
+        let friction = friction_max(1.0, 10.0, T, 0.02);
+        let singular = damping_singular(0.5, 10_000.0, T);
+        let cycle = limit_cycle_velocity(4.0, 0.5, 10_000.0, 10.0, T);
+        let table_5_3 = limit_cycle_velocity(2.0, 0.5, 25_000.0, 10.0, T);
+        println!(
+            "K_p max {kp:.1} N/m (20 033.4), F_d max {friction:.2} N (40.0), B singular {singular:.1} N·s/m (995)"
+        );
+        println!("limit cycle {:.3} mm/s (4.06), table 5-3 {:.3} mm/s (2.05)", cycle * 1e3, table_5_3 * 1e3);
+        assert!((kp - 20_033.4).abs() < 0.05);
+        assert!((friction - 40.0).abs() < 0.05);
+        assert!((singular - 995.0).abs() < 1e-9);
+        assert!((cycle * 1e3 - 4.06).abs() < 0.005);
+        assert!((table_5_3 * 1e3 - 2.05).abs() < 0.005);
+        assert!((limit_cycle_position(4.0, 0.5, 10_000.0, 10.0, T) - cycle * T / 2.0).abs() < 1e-15);
+        assert!((stiffness_singular(0.5, 995.0, T) - 10_000.0).abs() < 1e-6);
+        assert_eq!(limit_cycle_velocity(4.0, 0.5, 10_000.0, 995.0, T), f64::INFINITY);
+    }
+
+    /// Spectral radius of the closed loop, from the matrix itself, not from the closed form.
+    fn radius(mass: f64, damping: f64, k: f64, b: f64) -> f64 {
+        let tau = mass / damping;
+        let e = (-T / tau).exp();
+        let (alpha, gamma) = (tau * (1.0 - e), (1.0 - e) / damping);
+        let beta = (T - alpha) / damping;
+        let trace = 1.0 - beta * k + e - gamma * b;
+        let det = (1.0 - beta * k) * (e - gamma * b) + gamma * k * (alpha - beta * b);
+        let disc = trace * trace / 4.0 - det;
+        if disc < 0.0 { det.sqrt() } else { trace.abs() / 2.0 + disc.sqrt() }
+    }
+
+    #[test]
+    fn stiffness_bound_is_where_the_poles_leave_the_unit_circle() {
+        for (mass, damping) in [(1.0, 10.0), (0.692, 6.92), (0.692, 1.0), (0.1, 30.0), (2.0, 0.05)] {
+            for b in [0.0, 3.0, 15.0, 100.0] {
+                let limit = stiffness_max(mass, damping, T, b);
+                if limit == 0.0 {
+                    assert!(radius(mass, damping, 1.0, b) > 1.0);
+                    continue;
+                }
+                let (below, above) =
+                    (radius(mass, damping, 0.999 * limit, b), radius(mass, damping, 1.001 * limit, b));
+                println!("m {mass} b {damping} B {b}: K max {limit:.1} N/m, radius {below:.6} / {above:.6}");
+                assert!(below < 1.0 && above > 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn without_damping_the_bounds_stay_finite_and_continuous() {
+        assert_eq!(kp_max(1.0, 0.0, T), 0.0);
+        for damping in [1e-12, 1e-9, 1e-6, 1e-3, 0.04, 0.0501, 49.9, 50.1] {
+            let k = kp_max(1.0, damping, T);
+            println!("b {damping:e}: K_p max {k:e} N/m, 2b/T = {:e}", 2.0 * damping / T);
+            assert!((k / (2.0 * damping / T) - 1.0).abs() < 0.02, "2b/T is the limit for small b");
+            assert!((friction_max(1.0, damping, T, 0.02) - 40.0).abs() < 0.05);
+        }
+        assert!((stiffness_max(1.0, 0.0, T, 10.0) - 2.0 * 10.0 / T).abs() < 200.0);
+    }
+
+    #[test]
+    fn table_4_1_limit_cycle_starts_where_4_21_says() {
+        // one step from v = DV under dynamic friction alone, eq. 4.20
+        let (mass, damping, dv) = (1.0, 10.0, 0.02);
+        let force = friction_max(mass, damping, T, dv);
+        let e = (-T * damping / mass).exp();
+        let next = -force / damping + (dv + force / damping) * e;
+        assert!((next + dv).abs() < 1e-9, "reaches exactly −DV");
+    }
+}

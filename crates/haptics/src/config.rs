@@ -1,0 +1,57 @@
+//! What the loop runs: settings and device, checked, with everything a step would otherwise divide for.
+
+use crate::excitation::Timing;
+use crate::settings::MAX_EFFECTS;
+use crate::{Biquad, Device, RendererKind, Settings};
+use friction::Law;
+use friction::effects::Effect;
+
+/// A validated configuration; made by [`Settings::build`] only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Config {
+    pub(crate) device: Device,
+    pub(crate) renderer: RendererKind,
+    pub(crate) law: Law<f32>,
+    pub(crate) effects: [Option<Effect<f32>>; MAX_EFFECTS],
+    pub(crate) dv: f32,
+    pub(crate) mass: f32,
+    pub(crate) stiffness: f32,
+    pub(crate) damping: f32,
+    /// T/M, s/kg.
+    pub(crate) period_per_mass: f32,
+    /// M/T, kg/s.
+    pub(crate) mass_per_period: f32,
+    /// m/s of one count per tick.
+    pub(crate) metre_per_second: f32,
+    pub(crate) period_ticks: u32,
+    pub(crate) low_pass: Biquad,
+    pub(crate) timing: Timing,
+}
+
+impl Config {
+    /// Everything but the checks.
+    pub(crate) fn new(settings: &Settings, device: &Device) -> Self {
+        Self {
+            device: *device,
+            renderer: settings.renderer,
+            law: settings.friction_law(),
+            effects: settings.effects,
+            dv: settings.dv,
+            mass: settings.mass,
+            stiffness: settings.k_vc,
+            damping: settings.b_vc,
+            period_per_mass: device.period / settings.mass,
+            mass_per_period: settings.mass / device.period,
+            metre_per_second: device.metre_per_count * device.tick_hz as f32,
+            period_ticks: device.period_ticks(),
+            low_pass: Biquad::low_pass(device.command_cutoff_hz, device.period),
+            timing: Timing::new(device.period),
+        }
+    }
+
+    /// The device this was built for.
+    #[must_use]
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+}

@@ -1,0 +1,187 @@
+//! Identification excitation: a smooth reference, a PD controller on it, and the 100 Hz low-pass on the command
+//! (ch. 3.5.2).
+//!
+//! The phase is a 32-bit accumulator: it neither drifts nor loses resolution however long the excitation runs, and
+//! host and target step through the same phases. Amplitude is ramped in from where the handle is and out to the
+//! middle of the stroke, both with continuous acceleration.
+
+use crate::{Accepted, Config, Device, Refused, filter::BiquadState, wave};
+
+pub use wave::Wave;
+
+/// Length of the ramp at the start, s.
+pub const RAMP_IN_S: f32 = 1.0;
+/// Length of the ramp at the end, s.
+pub const RAMP_OUT_S: f32 = 0.5;
+/// After the ramp the command itself fades out within this time, s.
+const FADE_S: f32 = 0.1;
+/// Longest excitation, s.
+const LONGEST_S: f32 = 3_600.0;
+/// Lowest frequency, Hz.
+const SLOWEST_HZ: f32 = 0.005;
+
+/// What a user asks to move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Excitation {
+    /// Shape of the reference.
+    pub wave: Wave,
+    /// Amplitude, half of peak to peak, m.
+    pub amplitude_m: f32,
+    /// Repetition rate, Hz; of a chirp the highest frequency.
+    pub frequency_hz: f32,
+    /// Length from the start of the ramp-in to the start of the ramp-out, s; 0 runs until stopped.
+    pub seconds: f32,
+}
+
+impl Default for Excitation {
+    /// The thesis's: a sine of 2 Hz and 10 mm for 12 s.
+    fn default() -> Self {
+        Self { wave: Wave::Sine, amplitude_m: 0.01, frequency_hz: 2.0, seconds: 12.0 }
+    }
+}
+
+impl Excitation {
+    /// Checks the excitation against stroke, speed and force of the device.
+    ///
+    /// # Errors
+    /// The parameter that is out of range, with the value that would be accepted.
+    pub fn validate(&self, device: &Device) -> Result<(), Refused> {
+        let refuse =
+            |parameter, value, accepted, why| Err(Refused { effect: None, parameter, value, accepted, why });
+        let half = 0.5 * device.stroke - 1e-3;
+        if !(self.amplitude_m > 0.0 && self.amplitude_m <= half) {
+            let accepted = Accepted::Between(device.metre_per_count, half);
+            return refuse("amplitude", self.amplitude_m, accepted, "m; 1 mm inside the stroke");
+        }
+        let fastest = self.fastest(device);
+        if !(self.frequency_hz >= SLOWEST_HZ && self.frequency_hz <= fastest) {
+            let why = "Hz; the actuator's force and the device's speed at this amplitude end there";
+            return refuse("frequency", self.frequency_hz, Accepted::Between(SLOWEST_HZ, fastest), why);
+        }
+        if !(self.seconds >= 0.0 && self.seconds <= LONGEST_S) {
+            return refuse(
+                "seconds",
+                self.seconds,
+                Accepted::Between(0.0, LONGEST_S),
+                "s; 0 runs until stopped",
+            );
+        }
+        Ok(())
+    }
+
+    /// Highest frequency at this amplitude that force and speed allow, Hz, rounded down to something one can type.
+    fn fastest(&self, device: &Device) -> f32 {
+        use friction::Scalar;
+        let turn = core::f32::consts::TAU;
+        let by_force = device.force_max / (device.mass * self.wave.acceleration_factor() * self.amplitude_m);
+        let by_force = Scalar::sqrt(by_force) / turn;
+        let by_speed = 0.5 * device.overspeed / (self.wave.speed_factor() * self.amplitude_m * turn);
+        let limit = Scalar::min(Scalar::min(by_force, by_speed), 0.1 / device.period);
+        libm::floorf(limit * 100.0) / 100.0
+    }
+}
+
+/// A running excitation: its progress, and the memory of its controller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    generator: wave::Generator,
+    amplitude: f32,
+    start: f32,
+    reference: f32,
+    elapsed: u32,
+    /// Step at which the ramp-out begins.
+    out_at: u32,
+    filter: BiquadState,
+}
+
+impl Drive {
+    /// Starts at the position where the handle is. The excitation must be valid.
+    pub(crate) fn start(config: &Config, excitation: &Excitation, position: f32) -> Self {
+        let steps = excitation.seconds * config.timing.rate;
+        Self {
+            generator: wave::Generator::new(excitation, config.device.period),
+            amplitude: excitation.amplitude_m,
+            start: position,
+            reference: position,
+            elapsed: 0,
+            // `as` saturates
+            out_at: if excitation.seconds > 0.0 { steps as u32 } else { u32::MAX },
+            filter: BiquadState::default(),
+        }
+    }
+
+    /// Begins the ramp-out now, if it has not begun.
+    pub(crate) fn stop(&mut self) {
+        self.out_at = self.out_at.min(self.elapsed);
+    }
+
+    /// Periods since the start.
+    #[must_use]
+    pub fn elapsed(&self) -> u32 {
+        self.elapsed
+    }
+
+    /// Reference position, m.
+    #[must_use]
+    pub fn reference(&self) -> f32 {
+        self.reference
+    }
+
+    /// One period: the command in N before the clamp, or `None` when the excitation has ended.
+    pub(crate) fn step(&mut self, config: &Config, position: f32, velocity: f32) -> Option<f32> {
+        let timing = &config.timing;
+        let since_out = self.elapsed.saturating_sub(self.out_at) as f32;
+        let out = since_out * timing.per_ramp_out;
+        let fade = (since_out - timing.ramp_out) * timing.per_fade;
+        if fade >= 1.0 {
+            return None;
+        }
+        let ramp_in = ease(self.elapsed as f32 * timing.per_ramp_in);
+        let envelope = ramp_in * (1.0 - ease(out));
+        let unit = self.generator.next();
+        // from the start to the middle of the stroke; a stop during the ramp-in takes what is left of it out, too
+        let home = self.start * (1.0 - ramp_in) * (1.0 - ease(out));
+        let reference = home + self.amplitude * envelope * unit;
+        let reference_velocity = (reference - self.reference) * timing.rate;
+        self.reference = reference;
+        self.elapsed = self.elapsed.saturating_add(1);
+        let device = &config.device;
+        let command = device.tracking_stiffness * (reference - position)
+            + device.tracking_damping * (reference_velocity - velocity);
+        let command = config.low_pass.step(&mut self.filter, command);
+        Some(if fade > 0.0 { command * (1.0 - ease(fade)) } else { command })
+    }
+}
+
+/// Ramp lengths in the units the step uses, so that it does not divide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Timing {
+    pub rate: f32,
+    per_ramp_in: f32,
+    per_ramp_out: f32,
+    ramp_out: f32,
+    per_fade: f32,
+}
+
+impl Timing {
+    pub(crate) fn new(period: f32) -> Self {
+        Self {
+            rate: 1.0 / period,
+            per_ramp_in: period / RAMP_IN_S,
+            per_ramp_out: period / RAMP_OUT_S,
+            ramp_out: RAMP_OUT_S / period,
+            per_fade: period / FADE_S,
+        }
+    }
+}
+
+/// 0 below 0, 1 above 1, between them with continuous second derivative: 10u³ − 15u⁴ + 6u⁵.
+fn ease(u: f32) -> f32 {
+    if u <= 0.0 {
+        0.0
+    } else if u >= 1.0 {
+        1.0
+    } else {
+        u * u * u * (10.0 - u * (15.0 - 6.0 * u))
+    }
+}

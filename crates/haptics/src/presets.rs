@@ -1,0 +1,79 @@
+//! The presets every device knows: materials of table 3-3, run 1, and a viscous one of table 5-2.
+//!
+//! The coupling is tribos's own choice: 8 000 N/m is inside the bound of eq. 4.18 extended by B (33 000 N/m with
+//! 15 N·s/m), and K·1.5T < b + B holds even with a whole period of delay and a device of 1 N·s/m; limit-cycle
+//! velocities (eq. 4.35) are 0.6 to 4.6 mm/s, all below Δv of table 3-3.
+
+use crate::settings::{LawKind, MAX_EFFECTS, RendererKind, Settings};
+
+impl Settings {
+    /// A frame for the presets: the coupling, and what the other laws need.
+    const fn karnopp(levels: [f32; 6], dv: f32, mass: f32) -> Self {
+        let [f_static_p, f_static_n, f_dynamic_p, f_dynamic_n, damping_p, damping_n] = levels;
+        Self {
+            law: LawKind::Karnopp,
+            renderer: RendererKind::VirtualCoupling,
+            f_static_p,
+            f_static_n,
+            f_dynamic_p,
+            f_dynamic_n,
+            damping_p,
+            damping_n,
+            dv,
+            mass,
+            k_vc: 8_000.0,
+            b_vc: 15.0,
+            sigma: 10_000.0,
+            sigma_1: 10.0,
+            stribeck_velocity: 0.01,
+            effects: [None; MAX_EFFECTS],
+        }
+    }
+
+    /// Aluminium on brass (table 3-3, run 1).
+    #[must_use]
+    pub const fn brass() -> Self {
+        Self {
+            sigma: 30_000.0,
+            ..Self::karnopp([2.1302, 1.8623, 1.7714, 1.729, 0.457, 0.6196], 0.007, 0.4033)
+        }
+    }
+
+    /// Aluminium on Teflon (table 3-3, run 1).
+    #[must_use]
+    pub const fn teflon() -> Self {
+        Self {
+            sigma: 10_000.0,
+            ..Self::karnopp([1.0078, 0.7167, 0.513, 0.5365, 1.0957, 1.3038], 0.005, 0.4436)
+        }
+    }
+
+    /// Aluminium on rubber (table 3-3, run 1).
+    #[must_use]
+    pub const fn rubber() -> Self {
+        Self {
+            sigma: 50_000.0,
+            ..Self::karnopp([3.8513, 2.9099, 3.4901, 2.5611, 8.7338, 7.9521], 0.02, 0.3886)
+        }
+    }
+
+    /// Viscous, 35 N·s/m and 0.5 kg, no dry friction (table 5-2).
+    #[must_use]
+    pub const fn viscous() -> Self {
+        Self::karnopp([0.0, 0.0, 0.0, 0.0, 35.0, 35.0], 1e-4, 0.5)
+    }
+
+    /// The presets by name.
+    pub const PRESETS: &'static [(&'static str, fn() -> Self)] = &[
+        ("brass", Self::brass),
+        ("teflon", Self::teflon),
+        ("rubber", Self::rubber),
+        ("viscous", Self::viscous),
+    ];
+
+    /// The preset of this name.
+    #[must_use]
+    pub fn preset(name: &str) -> Option<Self> {
+        Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, make)| make())
+    }
+}

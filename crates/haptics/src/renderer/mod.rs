@@ -1,0 +1,68 @@
+//! The virtual contact on the handle, in two ways: the handle itself rubs (impedance, table 4-1), or a virtual block
+//! behind a spring and damper does (virtual coupling, eq. 4.22-4.24).
+
+mod impedance;
+mod virtual_coupling;
+
+pub use impedance::Impedance;
+pub use virtual_coupling::VirtualCoupling;
+
+use crate::{Config, RendererKind};
+
+/// Motion of the handle as measured.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Handle {
+    /// m.
+    pub position: f32,
+    /// m/s.
+    pub velocity: f32,
+    /// Moved since the last step, m.
+    pub displacement: f32,
+}
+
+/// What a contact did in one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Rendered {
+    /// Force on the handle before the clamp, N.
+    pub force: f32,
+    pub block_position: f32,
+    pub block_velocity: f32,
+    /// Friction force, N, positive against positive motion.
+    pub friction: f32,
+    pub stuck: bool,
+}
+
+/// A contact and its memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Contact {
+    /// Friction on the handle itself.
+    Impedance(Impedance),
+    /// Friction on a virtual block.
+    VirtualCoupling(VirtualCoupling),
+}
+
+impl Contact {
+    /// A fresh contact where the handle is, without force.
+    pub(crate) fn new(config: &Config, handle: &Handle) -> Self {
+        match config.renderer {
+            RendererKind::Impedance => Self::Impedance(Impedance::new(config, handle)),
+            RendererKind::VirtualCoupling => Self::VirtualCoupling(VirtualCoupling::new(config, handle)),
+        }
+    }
+
+    /// This memory belongs to that configuration: same renderer, same law, same effects.
+    pub(crate) fn fits(&self, config: &Config) -> bool {
+        match (self, config.renderer) {
+            (Self::Impedance(contact), RendererKind::Impedance) => contact.fits(config),
+            (Self::VirtualCoupling(contact), RendererKind::VirtualCoupling) => contact.fits(config),
+            _ => false,
+        }
+    }
+
+    pub(crate) fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
+        match self {
+            Self::Impedance(contact) => contact.step(config, handle),
+            Self::VirtualCoupling(contact) => contact.step(config, handle),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Settings into what the loop runs.
+
+use super::{LawKind, Settings};
+use crate::{Config, Device, Refused};
+use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
+
+impl Settings {
+    /// Validates, then builds what the loop runs. A warning does not stop it: [`Settings::validate`] tells of those.
+    ///
+    /// # Errors
+    /// [`Refused`]: the first parameter that must not run, with the number that would be accepted.
+    pub fn build(&self, device: &Device) -> Result<Config, Refused> {
+        self.validate(device)?;
+        Ok(Config::new(self, device))
+    }
+
+    /// The law with these parameters.
+    #[must_use]
+    pub fn friction_law(&self) -> Law<f32> {
+        match self.law {
+            LawKind::Karnopp => Law::Karnopp(Karnopp {
+                c_p: self.f_dynamic_p,
+                c_n: self.f_dynamic_n,
+                b_p: self.damping_p,
+                b_n: self.damping_n,
+                d_p: self.f_static_p,
+                d_n: self.f_static_n,
+                delta_v: self.dv,
+            }),
+            LawKind::Dahl => Law::Dahl(Dahl {
+                limit_p: self.f_dynamic_p,
+                limit_n: self.f_dynamic_n,
+                sigma: self.sigma,
+                exponent: 1.0,
+                viscous: self.damping_p,
+            }),
+            LawKind::Coulomb => Law::Coulomb(Coulomb {
+                level_p: self.f_dynamic_p,
+                level_n: self.f_dynamic_n,
+                static_p: self.f_static_p,
+                static_n: self.f_static_n,
+                viscous_p: self.damping_p,
+                viscous_n: self.damping_n,
+            }),
+            LawKind::LuGre => Law::LuGre(LuGre {
+                sigma_0: self.sigma,
+                sigma_1: self.sigma_1,
+                sigma_2: self.damping_p,
+                coulomb: self.f_dynamic_p,
+                stiction: self.f_static_p,
+                stribeck_velocity: self.stribeck_velocity,
+            }),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Effects by name: `stribeck.force_p`.
+
+use super::parameters::{SetWhy, number};
+use super::{Settings, Value};
+use friction::effects::{Effect, EffectKind};
+
+/// Where a parameter of an effect lives: in its gains or in its shape.
+enum Slot {
+    Gain(usize),
+    Shape(usize),
+}
+
+fn slot(kind: EffectKind, parameter: &str) -> Option<Slot> {
+    let gain = kind.gains().iter().position(|p| p.name == parameter).map(Slot::Gain);
+    gain.or_else(|| kind.shape().iter().position(|p| p.name == parameter).map(Slot::Shape))
+}
+
+/// The effect with no force and the middle of its shape's range: geometric where that spans decades.
+fn silent(kind: EffectKind) -> Effect<f32> {
+    let mut effect = Effect { kind, gains: [0.0; friction::effects::MAX_GAINS], shape: Default::default() };
+    for (value, parameter) in effect.shape.iter_mut().zip(kind.shape()) {
+        let (min, max) = (parameter.min, parameter.max);
+        *value = if min > 0.0 { libm::sqrt(min * max) } else { 0.5 * (min + max) } as f32;
+    }
+    effect
+}
+
+impl Settings {
+    pub(super) fn get_effect(&self, name: &str) -> Option<Value> {
+        let (id, parameter) = name.split_once('.')?;
+        let kind = EffectKind::from_id(id)?;
+        let effect = self.effects.iter().flatten().find(|effect| effect.kind == kind)?;
+        let value = match slot(kind, parameter)? {
+            Slot::Gain(at) => effect.gains.get(at),
+            Slot::Shape(at) => effect.shape.get(at),
+        };
+        value.map(|x| Value::Number(*x))
+    }
+
+    pub(super) fn set_effect(&mut self, name: &str, value: &str) -> Result<(), SetWhy> {
+        let Some((id, parameter)) = name.split_once('.') else {
+            let kind = EffectKind::from_id(name).ok_or(SetWhy::UnknownParameter)?;
+            if value != "off" {
+                return Err(SetWhy::NotOneOf("off; set its parameters by EFFECT.PARAMETER"));
+            }
+            for place in &mut self.effects {
+                if place.is_some_and(|effect| effect.kind == kind) {
+                    *place = None;
+                }
+            }
+            return Ok(());
+        };
+        let kind = EffectKind::from_id(id).ok_or(SetWhy::UnknownParameter)?;
+        let slot =
+            slot(kind, parameter).ok_or(SetWhy::UnknownOfEffect(kind.id(), kind.gains(), kind.shape()))?;
+        let x = number(value).ok_or(SetWhy::NotANumber)?;
+        let held = self.effects.iter().position(|place| place.is_some_and(|effect| effect.kind == kind));
+        let at = held.or_else(|| self.effects.iter().position(Option::is_none)).ok_or(SetWhy::EffectsFull)?;
+        let place = self.effects.get_mut(at).ok_or(SetWhy::EffectsFull)?;
+        let effect = place.get_or_insert_with(|| silent(kind));
+        let value = match slot {
+            Slot::Gain(at) => effect.gains.get_mut(at),
+            Slot::Shape(at) => effect.shape.get_mut(at),
+        };
+        if let Some(value) = value {
+            *value = x;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,265 @@
+//! Validation that knows the physics: what is unsafe is refused with the number that would be accepted, what is merely
+//! unfaithful is taken with a warning.
+
+use super::{LawKind, RendererKind, Settings};
+use crate::{Accepted, Device, Refused, Warning, bounds};
+use friction::effects::EffectKind;
+
+/// Heaviest virtual block, kg.
+const HEAVIEST: f32 = 100.0;
+/// Smallest speed that may be taken for zero, and Stribeck velocity, m/s.
+const SLOWEST: f32 = 1e-6;
+/// Share of a bound on damping that is used. A period of delay halves what the sampled device takes.
+const DAMPING_SHARE: f64 = 0.5;
+
+/// `x` rounded towards zero to four digits: a number one can type, and still within the bound.
+fn at_most(x: f64) -> f32 {
+    if !(x > 0.0 && x.is_finite()) {
+        return 0.0;
+    }
+    let scale = libm::pow(10.0, 3.0 - libm::floor(libm::log10(x)));
+    (libm::floor(x * scale * (1.0 + 1e-12)) / scale) as f32
+}
+
+/// `x` rounded away from zero to four digits.
+fn at_least(x: f64) -> f32 {
+    if !(x > 0.0 && x.is_finite()) {
+        return 0.0;
+    }
+    let scale = libm::pow(10.0, 3.0 - libm::floor(libm::log10(x)));
+    (libm::ceil(x * scale * (1.0 - 1e-12)) / scale) as f32
+}
+
+fn refuse(parameter: &'static str, value: f32, accepted: Accepted, why: &'static str) -> Result<(), Refused> {
+    Err(Refused { effect: None, parameter, value, accepted, why })
+}
+
+/// Refuses unless `low ≤ value ≤ high`; NaN is never within.
+fn within(
+    parameter: &'static str,
+    value: f32,
+    low: f32,
+    high: f32,
+    why: &'static str,
+) -> Result<(), Refused> {
+    if value >= low && value <= high {
+        Ok(())
+    } else {
+        refuse(parameter, value, Accepted::Between(low, high), why)
+    }
+}
+
+impl Settings {
+    /// Checks every parameter, alone and together, against the device.
+    ///
+    /// # Errors
+    /// [`Refused`] for what must not run: a number that is none, a force above the actuator's, friction that would
+    /// give energy, a coupling outside its stability bounds.
+    pub fn validate(&self, device: &Device) -> Result<Option<Warning>, Refused> {
+        self.levels(device)?;
+        self.damping(device)?;
+        within("dv", self.dv, SLOWEST, device.overspeed, "m/s; taken for zero below it")?;
+        within("mass", self.mass, 1e-3, HEAVIEST, "kg")?;
+        self.coupling(device)?;
+        self.bristles(device)?;
+        self.block(device)?;
+        self.check_effects(device)?;
+        Ok(self.unfaithful(device))
+    }
+
+    fn levels(&self, device: &Device) -> Result<(), Refused> {
+        let most = device.force_max;
+        let why = "N; the actuator holds no more";
+        within("f_dynamic_p", self.f_dynamic_p, 0.0, most, why)?;
+        within("f_dynamic_n", self.f_dynamic_n, 0.0, most, why)?;
+        let static_why = "N; from dynamic friction to what the actuator holds";
+        // Dahl has one level: its static friction is not used, but must still be a number one could switch to
+        let dahl = self.law == LawKind::Dahl;
+        let low = |dynamic: f32| if dahl { 0.0 } else { dynamic };
+        within("f_static_p", self.f_static_p, low(self.f_dynamic_p), most, static_why)?;
+        within("f_static_n", self.f_static_n, low(self.f_dynamic_n), most, static_why)
+    }
+
+    fn damping(&self, device: &Device) -> Result<(), Refused> {
+        let mass = match self.renderer {
+            RendererKind::Impedance => f64::from(device.mass),
+            RendererKind::VirtualCoupling => f64::from(self.mass),
+        };
+        let high = match self.renderer {
+            RendererKind::Impedance => {
+                DAMPING_SHARE * bounds::damping_max(mass, f64::from(device.damping), f64::from(device.period))
+            }
+            RendererKind::VirtualCoupling => bounds::damping_singular(mass, 0.0, f64::from(device.period)),
+        };
+        let why = "N·s/m; below, it would give energy at the largest speed, above, one period overshoots";
+        for (name, value, dynamic) in
+            [("damping_p", self.damping_p, self.f_dynamic_p), ("damping_n", self.damping_n, self.f_dynamic_n)]
+        {
+            // one level of bristle laws may not be lowered by a slope that the law itself does not bound
+            let lowest = match self.law {
+                LawKind::Karnopp | LawKind::Coulomb => -at_most(f64::from(dynamic / device.overspeed)),
+                LawKind::Dahl | LawKind::LuGre => 0.0,
+            };
+            within(name, value, lowest, at_most(high), why)?;
+        }
+        let one = |parameter, value: f32, other: f32, why| {
+            if value == other {
+                Ok(())
+            } else {
+                refuse(parameter, value, Accepted::Between(other, other), why)
+            }
+        };
+        match self.law {
+            LawKind::Karnopp | LawKind::Coulomb => Ok(()),
+            LawKind::Dahl => one("damping_n", self.damping_n, self.damping_p, "N·s/m; dahl has one damping"),
+            LawKind::LuGre => {
+                one("f_static_n", self.f_static_n, self.f_static_p, "N; lugre has one static friction")?;
+                one("f_dynamic_n", self.f_dynamic_n, self.f_dynamic_p, "N; lugre has one dynamic friction")?;
+                one("damping_n", self.damping_n, self.damping_p, "N·s/m; lugre has one damping")
+            }
+        }
+    }
+
+    /// The handle held by spring and damper (eq. 4.18, extended by B).
+    fn coupling(&self, device: &Device) -> Result<(), Refused> {
+        let (mass, damping, period) =
+            (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
+        let most = at_most(DAMPING_SHARE * bounds::damping_max(mass, damping, period));
+        within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, a period of delay lets the handle oscillate")?;
+        let most = at_most(bounds::stiffness_max(mass, damping, period, f64::from(self.b_vc)));
+        within("k_vc", self.k_vc, 1.0, most, "N/m; above, the stuck handle oscillates (eq. 4.18)")
+    }
+
+    fn bristles(&self, device: &Device) -> Result<(), Refused> {
+        within("stribeck_velocity", self.stribeck_velocity, SLOWEST, device.overspeed, "m/s")?;
+        let (mass, damping, period) =
+            (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
+        let bristled = matches!(self.law, LawKind::Dahl | LawKind::LuGre);
+        // laws without bristles do not use these, but a switch of law must not meet nonsense
+        let (mut sigma_most, mut sigma_1_most) = (1e9, 1e6);
+        if bristled && self.renderer == RendererKind::Impedance {
+            let inner = if self.law == LawKind::LuGre { f64::from(self.sigma_1) } else { 0.0 };
+            sigma_1_most = at_most(DAMPING_SHARE * bounds::damping_max(mass, damping, period));
+            sigma_most = at_most(bounds::stiffness_max(mass, damping, period, inner));
+        }
+        within("sigma_1", self.sigma_1, 0.0, sigma_1_most, "N·s/m; above, the handle oscillates")?;
+        within(
+            "sigma",
+            self.sigma,
+            1.0,
+            sigma_most,
+            "N/m; above, the handle oscillates on its bristles (eq. 4.18)",
+        )
+    }
+
+    /// The block between a handle held still and the surface: KT² + 2BT < 4M, where eq. 4.35 is singular.
+    fn block(&self, device: &Device) -> Result<(), Refused> {
+        if self.renderer == RendererKind::Impedance {
+            return Ok(());
+        }
+        let period = f64::from(device.period);
+        let mut stiffness = f64::from(self.k_vc);
+        let mut damping =
+            f64::from(self.b_vc) + f64::from(self.damping_p).max(f64::from(self.damping_n)).max(0.0);
+        match self.law {
+            LawKind::Karnopp | LawKind::Coulomb => {}
+            LawKind::Dahl => stiffness += f64::from(self.sigma),
+            LawKind::LuGre => {
+                stiffness += f64::from(self.sigma);
+                damping += f64::from(self.sigma_1);
+            }
+        }
+        let lightest = at_least((stiffness * period * period + 2.0 * damping * period) / 4.0 * 1.001);
+        within(
+            "mass",
+            self.mass,
+            lightest,
+            HEAVIEST,
+            "kg; a lighter block oscillates on its coupling (eq. 4.35)",
+        )
+    }
+
+    fn check_effects(&self, device: &Device) -> Result<(), Refused> {
+        for effect in self.effects.iter().flatten() {
+            let named = |refused: Refused| Refused { effect: Some(effect.kind.id()), ..refused };
+            effect.validate().map_err(|invalid| Refused {
+                effect: Some(effect.kind.id()),
+                parameter: invalid.parameter,
+                value: invalid.value as f32,
+                accepted: Accepted::Between(invalid.min as f32, invalid.max as f32),
+                why: "out of its range",
+            })?;
+            self.check_stiffness(effect.kind, &effect.gains, device).map_err(named)?;
+        }
+        Ok(())
+    }
+
+    /// Gains in N/m are springs and gains in N·s/m dampers, on whatever rubs.
+    fn check_stiffness(
+        &self,
+        kind: EffectKind,
+        gains: &[f32; friction::effects::MAX_GAINS],
+        device: &Device,
+    ) -> Result<(), Refused> {
+        let period = f64::from(device.period);
+        let (stiffest, most_damping) = match self.renderer {
+            RendererKind::Impedance => {
+                let (mass, damping) = (f64::from(device.mass), f64::from(device.damping));
+                let most = DAMPING_SHARE * bounds::damping_max(mass, damping, period);
+                (
+                    bounds::stiffness_max(mass, damping, period, f64::from(self.b_vc)) - f64::from(self.k_vc),
+                    most,
+                )
+            }
+            RendererKind::VirtualCoupling => {
+                let mass = f64::from(self.mass);
+                let left =
+                    bounds::stiffness_singular(mass, f64::from(self.b_vc), period) - f64::from(self.k_vc);
+                (left, bounds::damping_singular(mass, f64::from(self.k_vc), period))
+            }
+        };
+        for (gain, parameter) in gains.iter().zip(kind.gains()) {
+            let most = match parameter.unit {
+                "N/m" => at_most(stiffest),
+                "N·s/m" => at_most(most_damping),
+                "N" => device.force_max,
+                _ => continue,
+            };
+            if !(gain.abs() <= most) {
+                let accepted = Accepted::Between(-most, most);
+                return refuse(parameter.name, *gain, accepted, "what the device and the block take");
+            }
+        }
+        Ok(())
+    }
+
+    /// Δv below the zero-crossing limit cycle: it will chatter instead of stopping (eq. 4.21, 4.35).
+    fn unfaithful(&self, device: &Device) -> Option<Warning> {
+        if self.law != LawKind::Karnopp {
+            return None;
+        }
+        let friction = f64::from(self.f_dynamic_p).max(f64::from(self.f_dynamic_n));
+        let period = f64::from(device.period);
+        let needed = match self.renderer {
+            RendererKind::VirtualCoupling => {
+                let (mass, k, b) = (f64::from(self.mass), f64::from(self.k_vc), f64::from(self.b_vc));
+                bounds::limit_cycle_velocity(friction, mass, k, b, period)
+            }
+            RendererKind::Impedance => {
+                friction
+                    / bounds::friction_max(f64::from(device.mass), f64::from(device.damping), period, 1.0)
+            }
+        };
+        (f64::from(self.dv) < needed).then(|| Warning {
+            parameter: "dv",
+            value: self.dv,
+            faithful: Accepted::AtLeast(at_least(needed)),
+            why: match self.renderer {
+                RendererKind::VirtualCoupling => {
+                    "m/s; below its limit-cycle velocity the block chatters (eq. 4.35)"
+                }
+                RendererKind::Impedance => "m/s; below, the handle chatters about rest (eq. 4.21)",
+            },
+        })
+    }
+}

@@ -1,0 +1,291 @@
+//! The control step: a pure function of configuration, state and inputs. Time comes in as stamps; nothing else does.
+//!
+//! Order: measure, handle the request, run the mode, check, clamp. The checks run in the same step as the force they
+//! judge, so no force that a check refuses ever leaves.
+
+use crate::estimator::Estimator;
+use crate::excitation::Drive;
+use crate::machine::{Fault, Mode, Request};
+use crate::renderer::{Contact, Handle, Rendered};
+use crate::safety::{self, Guard};
+use crate::streaming_identify::{Recorder, Sums};
+use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs};
+
+/// Everything the loop remembers from step to step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    estimator: Estimator,
+    guard: Guard,
+    mode: Mode,
+    previous_ticks: Option<u32>,
+    /// Force given in the last step, N.
+    force: f32,
+    /// Difference to the last force when a configuration was swapped, N; decays.
+    blend: f32,
+    /// A configuration was swapped and the difference is not known yet.
+    swapped: bool,
+    sums: Option<Sums>,
+}
+
+/// What is left of a swap's difference after one period: gone in some 20 ms, too slow to click, too fast to feel.
+const BLEND_DECAY: f32 = 0.85;
+
+impl State {
+    /// Idle, at rest, no fault.
+    #[must_use]
+    pub fn new(_device: &Device) -> Self {
+        Self {
+            estimator: Estimator::default(),
+            guard: Guard::default(),
+            mode: Mode::Idle,
+            previous_ticks: None,
+            force: 0.0,
+            blend: 0.0,
+            swapped: false,
+            sums: None,
+        }
+    }
+
+    /// What the machine is doing.
+    #[must_use]
+    pub fn mode(&self) -> &Mode {
+        &self.mode
+    }
+
+    /// The latched fault.
+    #[must_use]
+    pub fn fault(&self) -> Option<&Fault> {
+        match &self.mode {
+            Mode::Fault(fault) => Some(fault),
+            _ => None,
+        }
+    }
+
+    /// Sums of the last completed identification. Solve them outside the control interrupt.
+    #[must_use]
+    pub fn sums(&self) -> Option<&Sums> {
+        self.sums.as_ref()
+    }
+
+    /// The velocity estimator.
+    #[must_use]
+    pub fn estimator(&self) -> &Estimator {
+        &self.estimator
+    }
+
+    fn latch(&mut self, kind: FaultKind, ticks: u32, handle: &Handle) {
+        if !matches!(self.mode, Mode::Fault(_)) {
+            let (position, velocity) = (handle.position, handle.velocity);
+            self.mode = Mode::Fault(Fault { kind, at_ticks: ticks, position, velocity, force: self.force });
+        }
+    }
+
+    /// Obeys a request, or says why not.
+    fn obey(
+        &mut self,
+        config: &Config,
+        request: &Request,
+        inputs: &Inputs,
+        handle: &Handle,
+    ) -> Result<(), Denied> {
+        let device = &config.device;
+        let faulty = matches!(self.mode, Mode::Fault(_));
+        let running = matches!(self.mode, Mode::Exciting { .. });
+        match request {
+            Request::Configure(_) => {
+                if let Mode::Rendering { contact, .. } = &mut self.mode {
+                    if !contact.fits(config) {
+                        *contact = Contact::new(config, handle);
+                    }
+                    // the difference is taken when the new force is known
+                    self.swapped = true;
+                }
+                Ok(())
+            }
+            Request::Raise(kind) => {
+                self.latch(*kind, inputs.sample_ticks, handle);
+                Ok(())
+            }
+            Request::HostWatch { seconds } => {
+                // `as` saturates, NaN becomes 0
+                self.guard.watch((seconds * config.timing.rate) as u32);
+                Ok(())
+            }
+            Request::ClearFault => self.clear(device, inputs, handle),
+            Request::Stop => {
+                match &mut self.mode {
+                    Mode::Idle | Mode::Fault(_) => {}
+                    Mode::Rendering { .. } => self.mode = Mode::Idle,
+                    Mode::Exciting { drive, recorder } => {
+                        drive.stop();
+                        *recorder = None;
+                    }
+                }
+                Ok(())
+            }
+            _ if faulty => Err(Denied::FaultLatched),
+            Request::Render(false) => {
+                if let Mode::Rendering { .. } = self.mode {
+                    self.mode = Mode::Idle;
+                }
+                Ok(())
+            }
+            _ if running => Err(Denied::Busy),
+            _ if safety::at_rail(device, inputs) => Err(Denied::SensorRail),
+            _ if !(handle.position.abs() <= 0.5 * device.stroke) => Err(Denied::OutsideStroke),
+            Request::Render(true) => {
+                if !matches!(self.mode, Mode::Rendering { .. }) {
+                    let contact = Contact::new(config, handle);
+                    (self.blend, self.swapped) = (0.0, false);
+                    self.mode = Mode::Rendering { since_ticks: inputs.sample_ticks, contact };
+                }
+                Ok(())
+            }
+            Request::Excite(excitation) => {
+                excitation.validate(device).map_err(|_| Denied::BadExcitation)?;
+                let drive = Drive::start(config, excitation, handle.position);
+                self.mode = Mode::Exciting { drive, recorder: None };
+                Ok(())
+            }
+            Request::Identify(procedure) => {
+                procedure.validate(device).map_err(|_| Denied::BadExcitation)?;
+                let drive = Drive::start(config, &procedure.excitation(), handle.position);
+                self.sums = None;
+                self.mode = Mode::Exciting { drive, recorder: Some(Recorder::new(config, procedure)) };
+                Ok(())
+            }
+        }
+    }
+
+    fn clear(&mut self, device: &Device, inputs: &Inputs, handle: &Handle) -> Result<(), Denied> {
+        if !matches!(self.mode, Mode::Fault(_)) {
+            return Ok(());
+        }
+        if safety::at_rail(device, inputs) {
+            return Err(Denied::SensorRail);
+        }
+        if !(handle.position.abs() <= 0.5 * device.stroke) {
+            return Err(Denied::OutsideStroke);
+        }
+        let load = device.load.to_si(inputs.load_code);
+        if !(handle.velocity.abs() <= device.rest_speed && load.abs() <= device.rest_force) {
+            return Err(Denied::NotAtRest);
+        }
+        self.guard.watch(0);
+        self.mode = Mode::Idle;
+        Ok(())
+    }
+}
+
+/// One control period.
+///
+/// Pure: the same configuration, state, request and inputs give the same outputs and state, bit for bit, on every
+/// machine. It never panics; whatever comes in, the outputs are finite and |force| ≤ `force_max`.
+///
+/// `Request::Configure` here only re-anchors the contact: replacing `config` itself is [`crate::Control`]'s part.
+pub fn step(config: &Config, state: &mut State, request: Option<&Request>, inputs: &Inputs) -> Outputs {
+    let device = &config.device;
+    let elapsed = state.previous_ticks.map(|previous| inputs.sample_ticks.wrapping_sub(previous));
+    state.previous_ticks = Some(inputs.sample_ticks);
+    state.estimator.sample(inputs.sample_ticks, inputs.count, inputs.edge_ticks);
+    let handle = Handle {
+        position: state.estimator.counts() as f32 * device.metre_per_count,
+        velocity: state.estimator.counts_per_tick() * config.metre_per_second,
+        displacement: state.estimator.step() as f32 * device.metre_per_count,
+    };
+    let denied = request.and_then(|request| state.obey(config, request, inputs, &handle).err());
+
+    let mut outputs = Outputs {
+        position: finite_or_zero(handle.position),
+        velocity: finite_or_zero(handle.velocity),
+        reference: finite_or_zero(handle.position),
+        block_position: finite_or_zero(handle.position),
+        denied,
+        ..Outputs::default()
+    };
+    let driven = matches!(state.mode, Mode::Exciting { .. });
+    let command = run_mode(config, state, inputs, &handle, &mut outputs);
+
+    let motion = safety::Motion {
+        position: handle.position,
+        velocity: handle.velocity,
+        displacement: handle.displacement,
+        elapsed,
+        driven,
+    };
+    let trip = state.guard.check(device, config.period_ticks, inputs, &motion);
+    let command = match (command, trip) {
+        (Some(_), Some(kind)) => Err(Some(kind)),
+        (Some(force), None) => safety::clamp(force, device.force_max).ok_or(Some(FaultKind::NonFinite)),
+        (None, _) => Err(None),
+    };
+    match command {
+        Ok(force) => {
+            outputs.force = force;
+            outputs.amplifier = true;
+        }
+        Err(fault) => {
+            if let Some(kind) = fault {
+                state.latch(kind, inputs.sample_ticks, &handle);
+            }
+            outputs.force = 0.0;
+            outputs.amplifier = false;
+        }
+    }
+    state.force = outputs.force;
+    outputs.mode = state.mode.id();
+    outputs.fault = state.fault().map(|fault| fault.kind);
+    outputs
+}
+
+/// The force the present mode asks for, before checks and clamp; `None` where force is off.
+fn run_mode(
+    config: &Config,
+    state: &mut State,
+    inputs: &Inputs,
+    handle: &Handle,
+    outputs: &mut Outputs,
+) -> Option<f32> {
+    match &mut state.mode {
+        Mode::Idle | Mode::Fault(_) => None,
+        Mode::Rendering { contact, .. } => {
+            let rendered = contact.step(config, handle);
+            if core::mem::take(&mut state.swapped) {
+                state.blend = state.force - rendered.force;
+            }
+            // a difference that is not a number is not worth keeping; the fault shows in the force itself
+            state.blend = if state.blend.abs() > 1e-4 { state.blend * BLEND_DECAY } else { 0.0 };
+            describe(&rendered, outputs);
+            Some(rendered.force + state.blend)
+        }
+        Mode::Exciting { drive, recorder } => {
+            let command = drive.step(config, handle.position, handle.velocity);
+            outputs.reference = finite_or_zero(drive.reference());
+            if let Some(recording) = recorder {
+                let load = config.device.load.to_si(inputs.load_code);
+                let accel = config.device.accel.to_si(inputs.accel_code);
+                if let Some(sums) = recording.sample(drive.elapsed(), handle.velocity, accel, load) {
+                    state.sums = Some(sums);
+                    outputs.identified = true;
+                    *recorder = None;
+                }
+            }
+            if command.is_none() {
+                state.mode = Mode::Idle;
+            }
+            command
+        }
+    }
+}
+
+fn describe(rendered: &Rendered, outputs: &mut Outputs) {
+    outputs.block_position = finite_or_zero(rendered.block_position);
+    outputs.block_velocity = finite_or_zero(rendered.block_velocity);
+    outputs.friction = finite_or_zero(rendered.friction);
+    outputs.stuck = rendered.stuck;
+}
+
+/// Telemetry must not carry NaN: the force has its own fault for that.
+fn finite_or_zero(x: f32) -> f32 {
+    if x.is_finite() { x } else { 0.0 }
+}
