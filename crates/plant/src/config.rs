@@ -42,6 +42,8 @@ pub struct RigConfig {
     pub device_friction_n: f64,
     /// Mass of the block, kg. 0: no block, the handle is free and the law is not asked.
     pub block_mass: f64,
+    /// Normal load on the block's surface, N. `None`: the weight of the block.
+    pub normal_load: Option<f64>,
     /// Connection between device and block.
     pub coupling: Coupling,
     /// Force at which the actuator saturates, N (table 3-1). `None`: never.
@@ -108,6 +110,9 @@ impl RigConfig {
         in_range("device_friction_p", self.device_friction_p, 0.0, 1e3)?;
         in_range("device_friction_n", self.device_friction_n, 0.0, 1e3)?;
         in_range("block_mass", self.block_mass, 0.0, 1e3)?;
+        if let Some(normal_load) = self.normal_load {
+            in_range("normal_load", normal_load, 0.0, 1e5)?;
+        }
         if let Some(force_max) = self.force_max {
             in_range("force_max", force_max, 0.0, 1e4)?;
         }
@@ -166,6 +171,7 @@ impl Default for RigConfig {
             device_friction_p: 1.04,
             device_friction_n: 0.69,
             block_mass: 0.419,
+            normal_load: None,
             coupling: Coupling::Rigid,
             force_max: Some(9.48),
             actuation_delay: 1,

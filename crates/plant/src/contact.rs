@@ -31,6 +31,8 @@ impl Friction {
 pub(crate) struct Surface<'a, L: FrictionLaw<f64>> {
     pub guide_p: f64,
     pub guide_n: f64,
+    /// Normal load on the surface, N.
+    pub normal: f64,
     /// The law with its state, when the body slides on something.
     pub law: Option<(&'a L, &'a mut L::State)>,
     /// Counts forces that were not finite.
@@ -49,7 +51,9 @@ pub(crate) fn finite(force: f64, not_finite: &mut u64) -> f64 {
 }
 
 impl<L: FrictionLaw<f64>> Surface<'_, L> {
-    /// Friction during a step of `dt` that starts with `velocity` under the non-frictional force `applied`.
+    /// Friction during a step of `dt` that starts with `velocity` under the non-frictional force `applied`,
+    /// viscous damping of the guide included.
+    /// `position` is the one half way through the step, so that a spring in a law is conservative.
     ///
     /// The guide takes its share of the stop first; how two stopping forces in series share a load is
     /// undetermined for rigid bodies, so this is a convention.
@@ -76,7 +80,7 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
             velocity,
             applied: applied - guide,
             mass: stopping_mass,
-            normal: None,
+            normal: Some(self.normal),
         };
         let before = if velocity == 0.0 { Some(**state) } else { None };
         let force = finite(law.step(state, &motion), self.not_finite);
@@ -112,7 +116,8 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
         let (x, v, h) = (body.position, body.velocity, zoh.step);
         let crossing_possible = v != 0.0 && (v * zoh.stopping_mass).abs() < CROSSING_FORCE * h;
         let saved = if crossing_possible { self.law.as_ref().map(|(_, state)| **state) } else { None };
-        let friction = self.friction(h, x, v, v * h, applied, zoh.stopping_mass);
+        let load = applied - body.damping * v;
+        let friction = self.friction(h, x + 0.5 * v * h, v, v * h, load, zoh.stopping_mass);
         let (displacement, mut end) = zoh.advance(v, applied - friction.total());
         if v != 0.0 && end.abs() < REST {
             end = 0.0;
@@ -129,7 +134,8 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
             **state = saved;
         }
         let first = Zoh::new(body.mass, body.damping, until);
-        let friction = self.friction(until, x, v, 0.5 * v * until, applied, first.stopping_mass);
+        let friction =
+            self.friction(until, x + 0.25 * v * until, v, 0.5 * v * until, load, first.stopping_mass);
         let (displacement, _) = first.advance(v, applied - friction.total());
         segment(0.0, until, v, displacement);
         let mut taken = friction.total() * displacement;

@@ -15,6 +15,11 @@ pub const MAX_EFFECTS: usize = 8;
 pub struct Layered<L> {
     /// The complete law underneath.
     pub base: L,
+    /// Mass of the block, kg. Given, effects that scale with the load (`load_dependent_friction`,
+    /// `torque_ripple`) see the force *on the block*, which is what a load cell between device and block
+    /// measures, and what a recording calls the applied force. `None`: they see the force on everything
+    /// that moves.
+    pub block_mass: Option<f64>,
     effects: [Option<Effect<f64>>; MAX_EFFECTS],
 }
 
@@ -23,12 +28,14 @@ pub struct Layered<L> {
 pub struct LayeredState<S> {
     base: S,
     effects: [EffectState<f64>; MAX_EFFECTS],
+    /// Friction of the last step, N.
+    force: f64,
 }
 
 impl<L> Layered<L> {
     /// A law with nothing on top.
     pub const fn new(base: L) -> Self {
-        Self { base, effects: [None; MAX_EFFECTS] }
+        Self { base, block_mass: None, effects: [None; MAX_EFFECTS] }
     }
 
     /// A law with `effects` on top.
@@ -58,6 +65,18 @@ impl<L> Layered<L> {
         Ok(())
     }
 
+    /// Force on the block, N: of the force on the whole moving mass, what the device's own inertia leaves.
+    /// m_b·a + f with a = (F − f)/m, f that of the last step.
+    fn load_on_block(&self, motion: &Motion<f64>, friction: f64) -> f64 {
+        match self.block_mass {
+            Some(block) if motion.mass > block => {
+                let share = block / motion.mass;
+                share * motion.applied + (1.0 - share) * friction
+            }
+            _ => motion.applied,
+        }
+    }
+
     /// The effects on top.
     pub fn effects(&self) -> impl Iterator<Item = &Effect<f64>> {
         self.effects.iter().flatten()
@@ -70,12 +89,17 @@ impl<L: FrictionLaw<f64>> FrictionLaw<f64> for Layered<L> {
     #[inline]
     fn step(&self, state: &mut Self::State, motion: &Motion<f64>) -> f64 {
         let mut on_top = 0.0;
-        // effects fill from the front
-        for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
-            let Some(effect) = effect else { break };
-            on_top += effect.step(memory, motion);
+        if self.effects[0].is_some() {
+            let seen = Motion { applied: self.load_on_block(motion, state.force), ..*motion };
+            // effects fill from the front
+            for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
+                let Some(effect) = effect else { break };
+                on_top += effect.step(memory, &seen);
+            }
         }
-        on_top + self.base.step(&mut state.base, &Motion { applied: motion.applied - on_top, ..*motion })
+        let left = Motion { applied: motion.applied - on_top, ..*motion };
+        state.force = on_top + self.base.step(&mut state.base, &left);
+        state.force
     }
 
     fn validate(&self) -> Result<(), Invalid> {

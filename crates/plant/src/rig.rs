@@ -8,6 +8,8 @@ use friction::{FrictionLaw, Invalid};
 
 /// Step over which a law is asked for its force at one instant, s.
 const INSTANT: f64 = 1e-9;
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.806_65;
 /// Longest actuation delay, control periods.
 const DELAY: usize = 9;
 
@@ -39,6 +41,7 @@ pub struct Rig<L: FrictionLaw<f64>> {
     handle: Body,
     block: Body,
     hand_mass: f64,
+    normal: f64,
     steps: Steps,
     encoder: Encoder,
     /// The last commands, newest at `newest`.
@@ -72,6 +75,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             handle: still,
             block: still,
             hand_mass: 0.0,
+            normal: 0.0,
             steps: Steps { handle: zoh, block: zoh },
             encoder: Encoder::new(config.calibration.metre_per_count, config.start_position),
             commands: [0.0; DELAY],
@@ -232,6 +236,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         self.handle.mass = self.config.device_mass + block_on_handle + self.hand_mass;
         self.handle.damping = self.config.device_damping;
         self.block.mass = self.config.block_mass.max(1e-3);
+        self.normal = self.config.normal_load.unwrap_or(self.config.block_mass * GRAVITY);
         self.steps = self.steps_of(self.config.substep());
     }
 
@@ -279,7 +284,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             &mut self.truth.not_finite,
         );
         let mut applied = actuator + hand_force + self.stop_force(half_way, self.handle.velocity);
-        let rigid = self.rigid();
+        let (rigid, normal) = (self.rigid(), self.normal);
         let before = self.handle.position;
         if !rigid {
             let block_half_way = self.block.position + 0.5 * h * self.block.velocity;
@@ -289,6 +294,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             let mut surface = Surface {
                 guide_p: 0.0,
                 guide_n: 0.0,
+                normal,
                 law: Some((&self.law, &mut self.state)),
                 not_finite: &mut self.truth.not_finite,
             };
@@ -298,6 +304,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         let mut surface = Surface {
             guide_p: self.config.device_friction_p,
             guide_n: self.config.device_friction_n,
+            normal,
             law: if on_surface { Some((&self.law, &mut self.state)) } else { None },
             not_finite: &mut self.truth.not_finite,
         };
@@ -325,7 +332,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         let hand_force = finite(hand.force(self.truth.time, x, v), &mut self.truth.not_finite);
         let stop_force = self.stop_force(x, v);
         let mut applied = actuator + hand_force + stop_force - self.handle.damping * v;
-        let rigid = self.rigid();
+        let (rigid, normal) = (self.rigid(), self.normal);
         let mut state = self.state;
         let mut coupled = None;
         if !rigid {
@@ -335,6 +342,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             let mut surface = Surface {
                 guide_p: 0.0,
                 guide_n: 0.0,
+                normal,
                 law: Some((&self.law, &mut state)),
                 not_finite: &mut self.truth.not_finite,
             };
@@ -347,6 +355,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         let mut surface = Surface {
             guide_p: self.config.device_friction_p,
             guide_n: self.config.device_friction_n,
+            normal,
             law: if on_surface { Some((&self.law, &mut state)) } else { None },
             not_finite: &mut self.truth.not_finite,
         };

@@ -15,8 +15,8 @@ pub struct Zoh {
     pub displacement_per_velocity: f64,
     /// C, displacement per force, m/N.
     pub displacement_per_force: f64,
-    /// What a stopping force must multiply v/h with, so that the step ends at rest exactly, kg. It is the
-    /// mass where there is no damping.
+    /// What v/h is multiplied with for a force that, with the damping b·v at the start of the step, ends the
+    /// step at rest exactly, kg: F = −(m_stop/h − b)·v. It is the mass where there is no damping.
     pub stopping_mass: f64,
 }
 
@@ -34,7 +34,7 @@ impl Zoh {
             velocity_per_force,
             displacement_per_velocity: step * phi_1,
             displacement_per_force: step * step / mass * phi_2,
-            stopping_mass: step * decay / velocity_per_force,
+            stopping_mass: step * (decay / velocity_per_force + damping),
         }
     }
 

@@ -250,6 +250,45 @@ fn every_effect_of_the_catalogue_runs_in_the_rig() {
 }
 
 #[test]
+fn load_dependent_friction_sees_the_force_on_the_block() {
+    // friction = μ·N + share·|force at the load cell|, on a block that is accelerated
+    let load = effect("load_dependent_friction", &[("mu", 0.2), ("share", 0.3)]);
+    let base = Karnopp { c_p: 0.0, c_n: 0.0, b_p: 0.0, b_n: 0.0, d_p: 0.0, d_n: 0.0, delta_v: 0.0 };
+    let mut law = Layered::with(base, &[load]).unwrap();
+    law.block_mass = Some(0.419);
+    let mut rig = rig(law);
+    for _ in 0..20 {
+        rig.tick(7.0, &mut NoHand);
+    }
+    let t = rig.truth();
+    let expected = 0.2 * 0.419 * 9.80665 + 0.3 * t.force_at_load_cell.abs();
+    println!(
+        "a {:.3} m/s², load cell {:.4} N, friction {:.4} N, closed form {expected:.4}",
+        t.acceleration, t.force_at_load_cell, t.friction
+    );
+    assert!(t.acceleration > 1.0 && (t.friction - expected).abs() < 1e-3);
+}
+
+#[test]
+fn a_spring_in_a_law_neither_feeds_nor_takes() {
+    let spring = effect("spring", &[("stiffness", 2000.0)]);
+    let base = Karnopp { c_p: 0.0, c_n: 0.0, b_p: 0.0, b_n: 0.0, d_p: 0.0, d_n: 0.0, delta_v: 0.0 };
+    let mut rig = rig(Layered::with(base, &[spring]).unwrap());
+    rig.reconfigure(RigConfig { device_damping: 0.0, start_position: 0.005, ..*rig.config() }).unwrap();
+    rig.reset();
+    let energy = |t: plant::Truth| 0.5 * (0.692 + 0.419) * t.velocity.powi(2) + 1000.0 * t.position.powi(2);
+    let start = energy(rig.truth());
+    let worst = (0..10_000)
+        .map(|_| {
+            rig.tick(0.0, &mut NoHand);
+            (energy(rig.truth()) / start - 1.0).abs()
+        })
+        .fold(0.0, f64::max);
+    println!("energy within {worst:.1e} of {start:.4} J over 10 s, 67 swings");
+    assert!(worst < 1e-3);
+}
+
+#[test]
 fn too_many_effects_are_refused() {
     let offset = effect("offset", &[]);
     let refused = Layered::with(KARNOPP, &[offset; plant::MAX_EFFECTS + 1]).unwrap_err();
