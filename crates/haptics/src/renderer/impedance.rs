@@ -6,7 +6,10 @@
 //!
 //! Coulomb needs no dead band: the spring itself is clipped to the level and dragged along (the stopping force where
 //! the applied force is only known through a spring; eq. 4.6, 4.7 of Hayward and Armstrong), so there is no velocity
-//! in the decision and no zero-crossing limit cycle. Dahl and LuGre act on the measured motion as they are.
+//! in the decision and no zero-crossing limit cycle.
+//!
+//! Dahl and LuGre act on the measured motion as it is. They creep where Karnopp and Coulomb hold: both laws drift under
+//! a load that vibrates, and an encoder toggling over one edge is such a vibration.
 
 use super::{Handle, Rendered};
 use crate::Config;

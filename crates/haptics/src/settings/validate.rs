@@ -194,7 +194,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Gains in N/m are springs and gains in N·s/m dampers, on whatever rubs.
+    /// Gains are forces, springs or dampers on whatever rubs; none may be more than that takes.
     fn check_stiffness(
         &self,
         kind: EffectKind,
@@ -218,16 +218,21 @@ impl Settings {
                 (left, bounds::damping_singular(mass, f64::from(self.k_vc), period))
             }
         };
+        let reach = f64::from(device.stroke) / 2.0;
         for (gain, parameter) in gains.iter().zip(kind.gains()) {
+            // what the gain is worth as stiffness or damping where that is largest
             let most = match parameter.unit {
-                "N/m" => at_most(stiffest),
-                "N·s/m" => at_most(most_damping),
                 "N" => device.force_max,
+                "N/m" => at_most(stiffest),
+                "N/m²" => at_most(stiffest / (2.0 * reach)),
+                "N/m³" => at_most(stiffest / (3.0 * reach * reach)),
+                "N·s/m" => at_most(most_damping),
+                "N·s²/m²" => at_most(most_damping / (2.0 * f64::from(device.overspeed))),
                 _ => continue,
             };
             if !(gain.abs() <= most) {
-                let accepted = Accepted::Between(-most, most);
-                return refuse(parameter.name, *gain, accepted, "what the device and the block take");
+                let accepted = Accepted::Between(if parameter.min < 0.0 { -most } else { 0.0 }, most);
+                return refuse(parameter.name, *gain, accepted, "more than the device and the block take");
             }
         }
         Ok(())
