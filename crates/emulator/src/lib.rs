@@ -1,1 +1,49 @@
-//! TODO
+//! The very ELF that would be flashed, run on an emulated STM32G474 around the simulated rig.
+//!
+//! [`Machine::boot`] loads the image as a programmer would, at its physical addresses, resets the core and runs it
+//! in virtual time against models of the peripherals that the firmware uses, one file each. The rig of
+//! [`plant`] hangs on the pins: the DAC code is a force while the amplifier enable pin is high, encoder edges reach
+//! TIM2 at the instant they happen, load cell and accelerometer are levels on ADC inputs.
+//!
+//! ```text
+//!            TIM6 --trgo--> ADC1 --JEOS--> core --> DAC1 holding --TIM7 trgo--> force --.
+//!  rig edges --> TIM2 --encoder clock--> TIM5 capture                                  v
+//!      ^---------------------------------------------------------------------------- rig
+//! ```
+//!
+//! The models are strict where a wrong register setting would go unnoticed otherwise: trigger sources, capture
+//! input, oversampling, alignment, clock tree, pin functions and peripheral clocks are decoded from the registers,
+//! and what the data sheet forbids is noted in [`Machine::violations`].
+//!
+//! Limits. Cycles are those of the interpreter: no flash wait states, no bus contention, so they are a **lower
+//! bound** for the hardware. Peripherals the firmware does not use read back what was written to them.
+#![forbid(unsafe_code)]
+
+mod adc;
+mod bus;
+mod dac;
+mod gpio;
+mod image;
+mod iwdg;
+mod lpuart;
+mod machine;
+mod rcc;
+mod soc;
+mod stats;
+mod tim;
+mod world;
+
+pub use image::{Image, ImageError};
+pub use machine::Machine;
+pub use rcc::ResetCause;
+pub use stats::{Statistics, Summary};
+
+/// Units of virtual time in a second: whole for a cycle of 170 MHz (16) and one of 16 MHz (170).
+pub const UNITS_PER_SECOND: u64 = 2_720_000_000;
+/// Units of virtual time in a millisecond.
+pub const UNITS_PER_MS: u64 = UNITS_PER_SECOND / 1_000;
+
+/// Virtual time of one period of a clock, units; 0 Hz never ticks.
+pub(crate) fn units_per_cycle(hz: u64) -> u64 {
+    if hz == 0 { u64::MAX / 4 } else { ((UNITS_PER_SECOND + hz / 2) / hz).max(1) }
+}

@@ -1,0 +1,313 @@
+//! Core, memories, chip and rig, in virtual time.
+
+use crate::bus::{Shared, Window};
+use crate::image::{FLASH_BASE, FLASH_SIZE, RAM_BASE, RAM_SIZE};
+use crate::rcc::ResetCause;
+use crate::soc::{IRQ_ADC1_2, Soc};
+use crate::stats::Statistics;
+use crate::world::World;
+use crate::{Image, UNITS_PER_MS, units_per_cycle};
+use friction::FrictionLaw;
+use plant::{Hand, RigConfig, Truth};
+use rsemu::core::space::{AddressSpace, RamStore, Region};
+use rsemu::cpu::arm::v7m::{ArmV7m, Config};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+
+/// RAM before power-on, to see how deep the stack went.
+const PAINT: u8 = 0xc5;
+
+/// A board with the rig on it.
+pub struct Machine {
+    cpu: ArmV7m,
+    shared: Arc<Shared>,
+    ram: Arc<RamStore>,
+    image: Image,
+    now: u64,
+    /// Next time the chip has something to say.
+    next: u64,
+    cycle: u64,
+    /// Cycles at entry of the control interrupt, while it runs.
+    entered: Option<u64>,
+    control_pending: bool,
+    handler: u32,
+    resets: Vec<(f64, ResetCause)>,
+    /// Observed here because it is touched with every instruction.
+    elapsed: u64,
+    asleep: u64,
+    busy_cycles: u64,
+}
+
+impl std::fmt::Debug for Machine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Machine").field("now", &self.now).field("pc", &self.cpu.pc()).finish_non_exhaustive()
+    }
+}
+
+impl Machine {
+    /// Programs an image and powers the board up, with a rig of this configuration on it.
+    ///
+    /// Of `config`, the sub-stepping and the actuation delay are replaced: time and delay are the board's.
+    ///
+    /// # Errors
+    /// The first parameter of the rig out of range.
+    pub fn boot<L>(image: &Image, config: RigConfig, law: L, seed: u64) -> Result<Self, friction::Invalid>
+    where
+        L: FrictionLaw<f64> + Send + 'static,
+        L::State: Send,
+    {
+        let shared = Arc::new(Shared::new(Soc::new(World::new(config, law, seed)?)));
+        let flash = Arc::new(RamStore::new(u64::from(FLASH_SIZE)));
+        let ram = Arc::new(RamStore::new(u64::from(RAM_SIZE)));
+        let _ = flash.fill(0, u64::from(FLASH_SIZE), 0xff);
+        let _ = ram.fill(0, u64::from(RAM_SIZE), PAINT);
+        for (address, data) in &image.flash {
+            // inside the flash: the image was checked
+            let _ = flash.write_at(u64::from(address - FLASH_BASE), data);
+        }
+        let cpu = ArmV7m::new(Config::CORTEX_M4F.with_priority_bits(4).with_reset_vtor(FLASH_BASE));
+        cpu.attach_space(Arc::new(address_space(&shared, flash, Arc::clone(&ram))));
+        Ok(Self {
+            cpu,
+            shared,
+            ram,
+            handler: image.vector(16 + u32::from(IRQ_ADC1_2)) & !1,
+            image: image.clone(),
+            now: 0,
+            next: 0,
+            cycle: 1,
+            entered: None,
+            control_pending: false,
+            resets: Vec::new(),
+            elapsed: 0,
+            asleep: 0,
+            busy_cycles: 0,
+        })
+    }
+
+    /// Runs for this many virtual milliseconds.
+    pub fn run_for(&mut self, ms: f64) {
+        self.run_until(self.now + (ms * UNITS_PER_MS as f64) as u64, |_| false);
+    }
+
+    /// Runs until the terminal has shown `text`, at most `ms`. What came before stays readable.
+    pub fn run_until_shown(&mut self, text: &str, ms: f64) -> bool {
+        let end = self.now + (ms * UNITS_PER_MS as f64) as u64;
+        while self.now < end {
+            self.run_for(0.2);
+            let soc = self.shared.soc();
+            let shown: Vec<u8> = soc.lpuart.shown.iter().copied().collect();
+            if shown.windows(text.len()).any(|window| window == text.as_bytes()) {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn run_until(&mut self, end: u64, stop: impl Fn(&Self) -> bool) {
+        while self.now < end && !stop(self) {
+            if self.now >= self.next || self.shared.touched.swap(false, Relaxed) {
+                self.attend();
+            }
+            self.shared.now.store(self.now, Relaxed);
+            let before = self.now;
+            let was_asleep = self.cpu.is_asleep() || self.cpu.is_locked_up();
+            let cycles = self.cpu.step();
+            if was_asleep && (self.cpu.is_asleep() || self.cpu.is_locked_up()) {
+                // nothing but an event can wake it
+                self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
+            } else {
+                self.now += cycles * self.cycle;
+                self.watch_control();
+            }
+            self.account(before, was_asleep, cycles);
+            if self.cpu.reset_requested() {
+                self.cpu.clear_reset_request();
+                self.reset(ResetCause::Software);
+            }
+        }
+    }
+
+    fn account(&mut self, before: u64, asleep: bool, cycles: u64) {
+        let elapsed = self.now - before;
+        self.elapsed += elapsed;
+        if asleep {
+            self.asleep += elapsed;
+        } else {
+            self.busy_cycles += cycles;
+        }
+    }
+
+    /// Brings the chip up to date and its interrupts to the core.
+    fn attend(&mut self) {
+        let mut soc = self.shared.soc();
+        soc.advance(self.now);
+        for (irq, level) in soc.interrupts() {
+            self.cpu.set_irq(irq, level);
+            if irq == IRQ_ADC1_2 {
+                self.control_pending = level;
+            }
+        }
+        self.cycle = units_per_cycle(soc.rcc.hclk());
+        self.next = soc.next_event();
+        let due = soc.watchdog_due(self.now);
+        drop(soc);
+        if due {
+            self.reset(ResetCause::Watchdog);
+        }
+    }
+
+    /// Cycles of the control interrupt, from its first instruction to its return.
+    fn watch_control(&mut self) {
+        match self.entered {
+            None if self.control_pending && self.cpu.pc() == self.handler => {
+                self.entered = Some(self.cpu.cycles());
+            }
+            Some(at) if self.cpu.current_exception().0 != 16 + IRQ_ADC1_2 => {
+                self.entered = None;
+                let cycles = self.cpu.cycles() - at;
+                self.shared.soc().stats.step_cycles.add(cycles as f64);
+            }
+            _ => {}
+        }
+    }
+
+    fn reset(&mut self, cause: ResetCause) {
+        self.resets.push((self.milliseconds(), cause));
+        self.shared.soc().reset(cause);
+        self.cpu.request_reset();
+        self.shared.touched.store(true, Relaxed);
+        self.entered = None;
+    }
+
+    /// Types at the terminal on the serial line.
+    pub fn serial_write(&mut self, bytes: &[u8]) {
+        self.shared.soc().lpuart.type_bytes(bytes, self.now);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// Takes what the terminal has shown.
+    pub fn serial_read(&mut self) -> Vec<u8> {
+        self.shared.soc().lpuart.shown.drain(..).collect()
+    }
+
+    /// Puts a hand on the handle.
+    pub fn set_hand(&mut self, hand: impl Hand + Send + 'static) {
+        self.shared.soc().world.set_hand(Box::new(hand));
+    }
+
+    /// Presses or releases the emergency stop.
+    pub fn press_stop(&mut self, pressed: bool) {
+        self.shared.soc().press_stop(pressed);
+    }
+
+    /// What really happened at the rig, up to 10 µs ahead.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        self.shared.soc().world.truth()
+    }
+
+    /// Force the amplifier was told, N; 0 while it is off.
+    #[must_use]
+    pub fn force(&self) -> f64 {
+        self.shared.soc().world.force()
+    }
+
+    /// The amplifier enable pin is high.
+    #[must_use]
+    pub fn amplifier_on(&self) -> bool {
+        self.shared.soc().amplifier_on()
+    }
+
+    /// What was observed.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        let observed = self.shared.soc().stats.clone();
+        let (elapsed, asleep, busy_cycles) = (self.elapsed, self.asleep, self.busy_cycles);
+        Statistics { elapsed, asleep, busy_cycles, ..observed }
+    }
+
+    /// Starts observing afresh.
+    pub fn reset_statistics(&mut self) {
+        self.shared.soc().stats = Statistics::default();
+        (self.elapsed, self.asleep, self.busy_cycles) = (0, 0, 0);
+    }
+
+    /// What the data sheet forbids and the firmware did.
+    #[must_use]
+    pub fn violations(&self) -> BTreeSet<String> {
+        self.shared.soc().violations.clone()
+    }
+
+    /// Bytes typed that the receiver lost.
+    #[must_use]
+    pub fn serial_overruns(&self) -> u64 {
+        self.shared.soc().lpuart.overruns
+    }
+
+    /// Resets since power-on: when in ms, and why.
+    #[must_use]
+    pub fn resets(&self) -> &[(f64, ResetCause)] {
+        &self.resets
+    }
+
+    /// Time from power-on to the first control step, ms.
+    #[must_use]
+    pub fn first_step_ms(&self) -> Option<f64> {
+        self.shared.soc().first_step_at.map(|at| at as f64 / UNITS_PER_MS as f64)
+    }
+
+    /// Virtual time since power-on, ms.
+    #[must_use]
+    pub fn milliseconds(&self) -> f64 {
+        self.now as f64 / UNITS_PER_MS as f64
+    }
+
+    /// The core gave up: a fault inside a fault.
+    #[must_use]
+    pub fn locked_up(&self) -> bool {
+        self.cpu.is_locked_up()
+    }
+
+    /// Where the core is, for a person.
+    #[must_use]
+    pub fn whereabouts(&self) -> String {
+        let pc = self.cpu.pc();
+        let near = self.image.symbols.iter().filter(|(_, a)| **a & !1 <= pc).max_by_key(|(_, a)| **a & !1);
+        format!("pc {pc:#010x} in {}", near.map_or("?", |(name, _)| name))
+    }
+
+    /// Most bytes of stack that were ever used.
+    #[must_use]
+    pub fn stack_bytes(&self) -> u32 {
+        let top = self.image.symbol("_stack_start").unwrap_or(RAM_BASE + RAM_SIZE);
+        let bottom = self.image.symbol("__sheap").or(self.image.symbol("__ebss")).unwrap_or(RAM_BASE);
+        let mut free = 0;
+        while bottom + free < top && self.ram.read_u8(u64::from(bottom + free - RAM_BASE)).ok() == Some(PAINT)
+        {
+            free += 1;
+        }
+        top - bottom - free
+    }
+}
+
+fn address_space(shared: &Arc<Shared>, flash: Arc<RamStore>, ram: Arc<RamStore>) -> AddressSpace {
+    let space = AddressSpace::new("cpu", 32);
+    let mut map = space.topology();
+    let window = |base| Arc::new(Window { shared: Arc::clone(shared), base });
+    // constants that do not overlap
+    let regions = [
+        (Region::ram("flash", flash), u64::from(FLASH_BASE)),
+        (Region::ram("ram", ram), u64::from(RAM_BASE)),
+        (Region::ram("system", Arc::new(RamStore::new(0x1_0000))), 0x1fff_0000),
+        (Region::ram("dbgmcu", Arc::new(RamStore::new(0x1000))), 0xe004_2000),
+        (Region::io("apb", 0x1000_0000, window(0x4000_0000)), 0x4000_0000),
+        (Region::io("ahb2", 0x1000_0000, window(0x5000_0000)), 0x5000_0000),
+    ];
+    for (region, base) in regions {
+        map.map(region, base).expect("the memory map has no overlap");
+    }
+    drop(map);
+    space
+}

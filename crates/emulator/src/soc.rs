@@ -1,0 +1,355 @@
+//! The chip: peripherals by address, and the wires between them.
+
+use crate::adc::{Adc, Triggered};
+use crate::dac::Dac;
+use crate::gpio::Gpio;
+use crate::iwdg::Iwdg;
+use crate::lpuart::Lpuart;
+use crate::rcc::{Gate, Rcc, ResetCause};
+use crate::stats::{Statistics, us};
+use crate::tim::Tim;
+use crate::units_per_cycle;
+use crate::world::World;
+use std::collections::{BTreeSet, HashMap};
+
+const TIM2: u32 = 0x4000_0000;
+const TIM7_END: u32 = 0x4000_1800;
+const IWDG: u32 = 0x4000_3000;
+const LPUART1: u32 = 0x4000_8000;
+const RCC: u32 = 0x4002_1000;
+const FLASH_ACR: u32 = 0x4002_2000;
+const GPIOA: u32 = 0x4800_0000;
+const ADC1: u32 = 0x5000_0000;
+const DAC1: u32 = 0x5000_0800;
+
+const AHB2ENR: u32 = 0x4c;
+const APB1ENR1: u32 = 0x58;
+const APB1ENR2: u32 = 0x5c;
+const ADC_GATE: Gate = (AHB2ENR, 13);
+const DAC_GATE: Gate = (AHB2ENR, 16);
+const LPUART_GATE: Gate = (APB1ENR2, 0);
+
+/// Interrupt numbers of the lines that are driven.
+pub(crate) const IRQ_ADC1_2: u16 = 18;
+const IRQ_TIMERS: [u16; 6] = [28, 29, 30, 50, 54, 55];
+const IRQ_LPUART1: u16 = 91;
+pub(crate) const IRQS: usize = 8;
+
+const ENABLE_PIN: u32 = 10;
+const STOP_PIN: u32 = 7;
+
+/// Indices of timers: TIM2 is 0.
+const ENCODER: usize = 0;
+
+#[derive(Debug)]
+pub(crate) struct Soc {
+    pub rcc: Rcc,
+    tims: [Tim; 6],
+    adc: Adc,
+    dac: Dac,
+    pub lpuart: Lpuart,
+    iwdg: Iwdg,
+    gpio: [Gpio; 7],
+    other: HashMap<u32, u32>,
+    pub world: World,
+    stop_pressed: bool,
+    pub stats: Statistics,
+    pub violations: BTreeSet<String>,
+    /// End of the sequence that waits for its step.
+    sampled_at: Option<u64>,
+    encoder_read: bool,
+    /// When the step's force was written and its sample ended, until it is put out.
+    awaiting_output: Option<u64>,
+    last_output: Option<u64>,
+    last_fed: Option<u64>,
+    pub first_step_at: Option<u64>,
+}
+
+impl Soc {
+    pub fn new(world: World) -> Self {
+        Self {
+            rcc: Rcc::new(ResetCause::PowerOn),
+            tims: [2, 3, 4, 5, 6, 7].map(Tim::new),
+            adc: Adc::new(),
+            dac: Dac::default(),
+            lpuart: Lpuart::default(),
+            iwdg: Iwdg::new(),
+            gpio: std::array::from_fn(|_| Gpio::new()),
+            other: HashMap::new(),
+            world,
+            stop_pressed: false,
+            stats: Statistics::default(),
+            violations: BTreeSet::new(),
+            sampled_at: None,
+            encoder_read: false,
+            awaiting_output: None,
+            last_output: None,
+            last_fed: None,
+            first_step_at: None,
+        }
+    }
+
+    /// A reset of the chip: every register back, the world untouched.
+    pub fn reset(&mut self, cause: ResetCause) {
+        let shown = std::mem::take(&mut self.lpuart.shown);
+        let overruns = self.lpuart.overruns;
+        self.rcc = Rcc::new(cause);
+        self.tims = [2, 3, 4, 5, 6, 7].map(Tim::new);
+        self.adc = Adc::new();
+        self.dac = Dac::default();
+        self.lpuart = Lpuart::default();
+        self.lpuart.shown = shown;
+        self.lpuart.overruns = overruns;
+        self.iwdg = Iwdg::new();
+        self.gpio = std::array::from_fn(|_| Gpio::new());
+        self.other.clear();
+        (self.sampled_at, self.awaiting_output, self.last_output, self.last_fed) = (None, None, None, None);
+    }
+
+    pub fn press_stop(&mut self, pressed: bool) {
+        self.stop_pressed = pressed;
+    }
+
+    pub fn amplifier_on(&self) -> bool {
+        self.gpio[1].output_high(ENABLE_PIN)
+    }
+
+    /// What the amplifier sees: a code while it is enabled and the DAC drives its pin.
+    fn force_code(&self) -> Option<u16> {
+        let driven = self.gpio[0].analog(4);
+        self.dac.code().filter(|_| self.amplifier_on() && driven)
+    }
+
+    pub fn watchdog_due(&self, now: u64) -> bool {
+        self.iwdg.deadline.is_some_and(|at| now >= at)
+    }
+
+    fn gate(&mut self, gate: Gate, what: &str) -> bool {
+        let on = self.rcc.enabled(gate);
+        if !on {
+            self.violations.insert(format!("{what} used without its clock"));
+        }
+        on
+    }
+
+    pub fn read(&mut self, address: u32, now: u64) -> u32 {
+        self.advance(now);
+        let offset = address & 0x3ff;
+        match address {
+            TIM2..TIM7_END => {
+                let index = ((address - TIM2) / 0x400) as usize;
+                if !self.gate((APB1ENR1, index as u32), "a timer") {
+                    return 0;
+                }
+                if index == ENCODER && offset == 0x24 {
+                    self.encoder_was_read(now);
+                }
+                let value = self.tims[index].read(offset, now);
+                if Tim::is_capture(offset) {
+                    self.tims[index].was_read(offset);
+                }
+                value
+            }
+            IWDG..0x4000_3400 => self.iwdg.read(offset),
+            LPUART1..0x4000_8400 => {
+                if self.gate(LPUART_GATE, "LPUART1") {
+                    self.lpuart.read(offset)
+                } else {
+                    0
+                }
+            }
+            RCC..0x4002_1400 => self.rcc.read(offset),
+            GPIOA..0x4800_1c00 => {
+                self.gpio[2].drive(STOP_PIN, self.stop_pressed);
+                self.gpio[((address - GPIOA) / 0x400) as usize].read(offset)
+            }
+            ADC1..DAC1 => {
+                if self.gate(ADC_GATE, "ADC1") {
+                    self.adc.read(address - ADC1)
+                } else {
+                    0
+                }
+            }
+            DAC1..0x5000_0c00 => {
+                if self.gate(DAC_GATE, "DAC1") {
+                    self.dac.read(offset)
+                } else {
+                    0
+                }
+            }
+            _ => self.other.get(&address).copied().unwrap_or(0),
+        }
+    }
+
+    pub fn write(&mut self, address: u32, value: u32, now: u64) {
+        self.advance(now);
+        let offset = address & 0x3ff;
+        match address {
+            TIM2..TIM7_END => {
+                let index = ((address - TIM2) / 0x400) as usize;
+                if self.gate((APB1ENR1, index as u32), "a timer") {
+                    let cycle = units_per_cycle(self.rcc.timer1());
+                    self.tims[index].write(offset, value, now, cycle);
+                }
+            }
+            IWDG..0x4000_3400 => self.feed(offset, value, now),
+            LPUART1..0x4000_8400 => {
+                if self.gate(LPUART_GATE, "LPUART1") {
+                    let hz = self.rcc.lpuart1();
+                    self.lpuart.write(offset, value, now, hz);
+                }
+            }
+            RCC..0x4002_1400 => {
+                self.rcc.write(offset, value);
+                self.check_clock();
+            }
+            GPIOA..0x4800_1c00 => {
+                let port = ((address - GPIOA) / 0x400) as usize;
+                if self.gate((AHB2ENR, port as u32), "a GPIO port") {
+                    self.gpio[port].write(offset, value);
+                }
+            }
+            ADC1..DAC1 => {
+                if self.gate(ADC_GATE, "ADC1") {
+                    self.adc.write(address - ADC1, value);
+                }
+            }
+            DAC1..0x5000_0c00 => {
+                if self.gate(DAC_GATE, "DAC1") && self.dac.write(offset, value) {
+                    self.force_was_written(now);
+                }
+            }
+            _ => {
+                self.other.insert(address, value);
+            }
+        }
+    }
+
+    fn check_clock(&mut self) {
+        let (hz, wait_states) = (self.rcc.hclk(), self.other.get(&FLASH_ACR).copied().unwrap_or(0) & 0xf);
+        if hz > 34_000_000 * (u64::from(wait_states) + 1) {
+            self.violations.insert(format!("{hz} Hz with {wait_states} flash wait states"));
+        }
+        if hz > 170_000_000 {
+            self.violations.insert(format!("core at {hz} Hz, more than 170 MHz"));
+        }
+    }
+
+    fn feed(&mut self, offset: u32, value: u32, now: u64) {
+        let fed = self.iwdg.fed;
+        self.iwdg.write(offset, value, now);
+        if self.iwdg.fed != fed {
+            if let Some(last) = self.last_fed.replace(now) {
+                self.stats.watchdog_gap_ms.add(us(now - last) / 1e3);
+            }
+        }
+    }
+
+    fn encoder_was_read(&mut self, now: u64) {
+        if let Some(at) = self.sampled_at
+            && !self.encoder_read
+        {
+            self.encoder_read = true;
+            self.stats.sampling_us.add(us(now - at));
+        }
+    }
+
+    fn force_was_written(&mut self, now: u64) {
+        if let Some(at) = self.sampled_at.take() {
+            self.stats.steps += 1;
+            self.stats.compute_us.add(us(now - at));
+            self.awaiting_output = Some(at);
+            self.first_step_at.get_or_insert(now);
+        }
+    }
+
+    fn force_was_put_out(&mut self, fresh: bool, at: u64) {
+        match self.awaiting_output.take() {
+            Some(sampled) if fresh => self.stats.latency_us.add(us(at - sampled)),
+            _ if self.stats.steps > 0 => self.stats.stale_outputs += 1,
+            _ => {}
+        }
+        if let Some(last) = self.last_output.replace(at) {
+            self.stats.output_period_us.add(us(at - last));
+        }
+    }
+
+    /// Brings everything up to `now`, in the order in which it happens.
+    pub fn advance(&mut self, now: u64) {
+        loop {
+            let next = self.next_event();
+            if next > now {
+                break;
+            }
+            self.advance_to(next);
+        }
+        for tim in &mut self.tims {
+            tim.advance(now);
+        }
+    }
+
+    fn advance_to(&mut self, at: u64) {
+        let code = self.force_code();
+        self.world.advance(at, code);
+        while let Some((when, up)) = self.world.edge(at) {
+            self.encoder_edge(when, up);
+        }
+        for index in 0..self.tims.len() {
+            if self.tims[index].advance(at) > 0 && self.tims[index].updates_trigger() {
+                self.trigger(index as u8 + 2, at);
+            }
+        }
+        if let Some(lost) = self.adc.advance(at) {
+            self.stats.missed += u64::from(lost || self.sampled_at.is_some());
+            self.sampled_at = Some(at);
+            self.encoder_read = false;
+        }
+        self.lpuart.advance(at);
+    }
+
+    fn encoder_edge(&mut self, at: u64, up: bool) {
+        let wired = self.gpio[0].alternate(0, 1) && self.gpio[0].alternate(1, 1);
+        if wired && self.tims[ENCODER].encoder_edge(up) {
+            for tim in &mut self.tims {
+                tim.trigger_input(2, at);
+            }
+        }
+    }
+
+    /// The trigger output of a timer pulses.
+    fn trigger(&mut self, timer: u8, at: u64) {
+        let wired = self.gpio[2].analog(0) && self.gpio[2].analog(1);
+        let world = &self.world;
+        let level = |channel| if wired { world.level(channel) } else { 0 };
+        match self.adc.trigger(timer, at, self.rcc.adc12(), level) {
+            Triggered::Started => self.stats.triggers += 1,
+            Triggered::Busy => {
+                self.stats.triggers += 1;
+                self.stats.missed += 1;
+            }
+            Triggered::Ignored => {}
+        }
+        self.violations.extend(self.adc.violation.take());
+        let fresh = self.dac.fresh;
+        if self.dac.trigger(timer) {
+            self.force_was_put_out(fresh, at);
+        }
+    }
+
+    /// When something will happen by itself.
+    pub fn next_event(&self) -> u64 {
+        let tims = self.tims.iter().map(Tim::next_event).min().unwrap_or(u64::MAX);
+        tims.min(self.adc.next_event()).min(self.lpuart.next_event()).min(self.world.next_event())
+    }
+
+    /// Interrupt lines and their levels.
+    pub fn interrupts(&mut self) -> [(u16, bool); IRQS] {
+        let tims: [bool; 6] = std::array::from_fn(|k| self.tims[k].interrupt());
+        let tx_rx_wired = self.gpio[0].alternate(2, 12) && self.gpio[0].alternate(3, 12);
+        std::array::from_fn(|k| match k {
+            0..6 => (IRQ_TIMERS[k], tims[k]),
+            6 => (IRQ_ADC1_2, self.adc.interrupt()),
+            _ => (IRQ_LPUART1, tx_rx_wired && self.lpuart.interrupt()),
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! The rig on the pins.
+
+use crate::UNITS_PER_SECOND;
+use friction::FrictionLaw;
+use plant::{Hand, NoHand, Rig, RigConfig, Sensors, Truth};
+use std::collections::VecDeque;
+
+/// N per step of the DAC, whose code 2048 is no force: how the amplifier is wired and set.
+const NEWTON_PER_CODE: f64 = 10.0 / 2048.0;
+const CODE_ZERO: f64 = 2048.0;
+/// The rig advances by this much at a time, 170 MHz ticks: 10 µs.
+const CHUNK_TICKS: u32 = 1_700;
+const UNITS_PER_TICK: u64 = UNITS_PER_SECOND / 170_000_000;
+const CHUNK: u64 = CHUNK_TICKS as u64 * UNITS_PER_TICK;
+
+/// A rig of any law, and the hand on it.
+trait AnyRig: Send {
+    fn tick(&mut self, force: f64, hand: &mut dyn Hand) -> Sensors;
+    fn truth(&self) -> Truth;
+}
+
+impl<L> AnyRig for Rig<L>
+where
+    L: FrictionLaw<f64> + Send,
+    L::State: Send,
+{
+    fn tick(&mut self, force: f64, hand: &mut dyn Hand) -> Sensors {
+        Rig::tick(self, force, hand)
+    }
+
+    fn truth(&self) -> Truth {
+        Rig::truth(self)
+    }
+}
+
+/// The rig, always computed one chunk ahead, so that edges can happen at their time within it.
+pub(crate) struct World {
+    rig: Box<dyn AnyRig>,
+    hand: Box<dyn Hand + Send>,
+    /// End of what is computed.
+    until: u64,
+    sensors: Sensors,
+    /// Edges to come: (when, forward).
+    edges: VecDeque<(u64, bool)>,
+    /// Levels in force now, and those of the end of the chunk.
+    levels: (u16, u16),
+    force: f64,
+}
+
+impl std::fmt::Debug for World {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("World").field("until", &self.until).finish_non_exhaustive()
+    }
+}
+
+impl World {
+    /// The rig advances in its own small steps, and the delay of the actuation is that of the emulated board.
+    pub fn new<L>(config: RigConfig, law: L, seed: u64) -> Result<Self, friction::Invalid>
+    where
+        L: FrictionLaw<f64> + Send + 'static,
+        L::State: Send,
+    {
+        let config = RigConfig {
+            period_ticks: CHUNK_TICKS,
+            substeps: 10,
+            actuation_delay: 0,
+            clock_jitter_ticks: 0.0,
+            ..config
+        };
+        let rig = Rig::new(config, law, seed)?;
+        let sensors = rig.sensors();
+        Ok(Self {
+            levels: (sensors.load_code, sensors.accel_code),
+            rig: Box::new(rig),
+            hand: Box::new(NoHand),
+            until: 0,
+            sensors,
+            edges: VecDeque::new(),
+            force: 0.0,
+        })
+    }
+
+    pub fn set_hand(&mut self, hand: Box<dyn Hand + Send>) {
+        self.hand = hand;
+    }
+
+    pub fn truth(&self) -> Truth {
+        self.rig.truth()
+    }
+
+    pub fn force(&self) -> f64 {
+        self.force
+    }
+
+    /// 16-bit level of an ADC input.
+    pub fn level(&self, channel: u32) -> u16 {
+        match channel {
+            6 => self.levels.0,
+            7 => self.levels.1,
+            _ => 0,
+        }
+    }
+
+    pub fn next_event(&self) -> u64 {
+        self.edges.front().map_or(self.until, |(at, _)| (*at).min(self.until))
+    }
+
+    /// The next edge that is due.
+    pub fn edge(&mut self, now: u64) -> Option<(u64, bool)> {
+        if self.edges.front().is_some_and(|(at, _)| *at <= now) { self.edges.pop_front() } else { None }
+    }
+
+    /// Computes the next chunk if it is due. `code` is the DAC's output while the amplifier is on.
+    pub fn advance(&mut self, now: u64, code: Option<u16>) {
+        while now >= self.until {
+            self.force = code.map_or(0.0, |code| (f64::from(code) - CODE_ZERO) * NEWTON_PER_CODE);
+            self.levels = (self.sensors.load_code, self.sensors.accel_code);
+            let before = self.sensors;
+            let start = self.until;
+            self.sensors = self.rig.tick(self.force, &mut *self.hand);
+            self.until += CHUNK;
+            self.schedule(before, start);
+        }
+    }
+
+    /// Spreads the edges of a chunk so that the last one is where the rig put it.
+    fn schedule(&mut self, before: Sensors, start: u64) {
+        let moved = self.sensors.count.wrapping_sub(before.count) as i32;
+        let edges = u64::from(moved.unsigned_abs());
+        if edges == 0 {
+            return;
+        }
+        let start_ticks = (start / UNITS_PER_TICK) as u32;
+        let last = u64::from(self.sensors.edge_ticks.wrapping_sub(start_ticks)).min(u64::from(CHUNK_TICKS));
+        for k in 1..=edges {
+            self.edges.push_back((start + last * UNITS_PER_TICK * k / edges, moved > 0));
+        }
+    }
+}
