@@ -176,8 +176,9 @@ impl Default for RigConfig {
             force_max: Some(9.48),
             actuation_delay: 1,
             stroke: Some(0.032),
-            stop_stiffness: 1e5,
-            stop_damping: 100.0,
+            // steel on a thin pad: the actuator at full force along the whole stroke presses it in 0.8 mm
+            stop_stiffness: 5e5,
+            stop_damping: 600.0,
             period_ticks: 170_000,
             substeps: 20,
             clock_jitter_ticks: 0.0,

@@ -134,7 +134,8 @@ impl Target {
             Self::Ramp { start, velocity } => (start + velocity * t, velocity),
             Self::Sine { centre, amplitude, frequency } => {
                 let omega = core::f64::consts::TAU * frequency;
-                (centre + amplitude * Scalar::sin(omega * t), amplitude * omega * Scalar::cos(omega * t))
+                let (sin, cos) = libm::sincos(omega * t);
+                (centre + amplitude * sin, amplitude * omega * cos)
             }
             Self::Reach { from, to, at, duration } => {
                 if t <= at || duration <= 0.0 {

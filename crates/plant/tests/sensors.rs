@@ -172,10 +172,10 @@ fn a_seed_repeats_bit_for_bit() {
         last,
         Sensors {
             sample_ticks: 170_000_000,
-            count: 2061,
-            edge_ticks: 169_996_550,
-            load_code: 32_707,
-            accel_code: 32_916
+            count: 3469,
+            edge_ticks: 169_992_679,
+            load_code: 32_682,
+            accel_code: 32_910
         }
     );
 }
