@@ -1,0 +1,222 @@
+//! Settings by name, validation with physics, presets.
+
+use haptics::{Accepted, Device, LawKind, RendererKind, Settings, Value, bounds};
+
+const T: f64 = 1e-3;
+
+#[test]
+fn every_preset_validates_without_a_warning_and_inside_its_bounds() {
+    let device = Device::default();
+    for (name, make) in Settings::PRESETS {
+        let settings = make();
+        assert_eq!(settings.validate(&device), Ok(None), "{name}");
+        let (m, k, b) = (f64::from(settings.mass), f64::from(settings.k_vc), f64::from(settings.b_vc));
+        let friction = f64::from(settings.f_dynamic_p.max(settings.f_dynamic_n));
+        let cycle = bounds::limit_cycle_velocity(friction, m, k, b, T);
+        let stiffest = bounds::stiffness_max(f64::from(device.mass), f64::from(device.damping), T, b);
+        // K·1.5T < b + B: what is left with a whole period of delay and a device of 1 N·s/m
+        let delayed = (1.0 + b) / (1.5 * T);
+        println!(
+            "{name:8} k_vc {k} of {stiffest:.0} N/m ({delayed:.0} delayed), limit cycle {:.2} mm/s, dv {:.2} mm/s",
+            cycle * 1e3,
+            settings.dv * 1e3
+        );
+        assert!(k < stiffest && k < delayed && cycle < f64::from(settings.dv));
+        assert_eq!(Settings::preset(name), Some(settings));
+    }
+    assert_eq!(Settings::preset("velvet"), None);
+}
+
+#[test]
+fn table_5_3_is_taken_with_a_warning_that_names_the_faithful_number() {
+    let settings = Settings {
+        f_static_p: 2.0,
+        f_static_n: 2.0,
+        f_dynamic_p: 2.0,
+        f_dynamic_n: 2.0,
+        damping_p: 20.0,
+        damping_n: 20.0,
+        dv: 1e-3,
+        mass: 0.5,
+        k_vc: 25_000.0,
+        b_vc: 10.0,
+        ..Settings::brass()
+    };
+    let warning = settings.validate(&Device::default()).expect("safe").expect("unfaithful");
+    println!("ok warn: {warning}");
+    assert_eq!(warning.parameter, "dv");
+    let Accepted::AtLeast(dv) = warning.faithful else { panic!("a lower bound") };
+    assert!((dv - 2.05e-3).abs() < 0.01e-3);
+    assert_eq!(
+        Settings { dv, ..settings }.validate(&Device::default()),
+        Ok(None),
+        "the number it names is faithful"
+    );
+    assert!(settings.build(&Device::default()).is_ok());
+}
+
+#[test]
+fn whatever_is_refused_is_accepted_with_the_number_named() {
+    let device = Device::default();
+    let base = Settings::rubber();
+    let impedance = Settings { renderer: RendererKind::Impedance, ..base };
+    let dahl = Settings { law: LawKind::Dahl, damping_n: base.damping_p, ..base };
+    let cases: &[(Settings, &str, &str)] = &[
+        (base, "k_vc", "1e6"),
+        (base, "k_vc", "-5"),
+        (base, "k_vc", "0"),
+        (impedance, "k_vc", "40000"),
+        (base, "b_vc", "1200"),
+        (base, "b_vc", "-1"),
+        (base, "f_static_p", "30"),
+        (base, "f_static", "9.5"),
+        (base, "f_dynamic_p", "9.481"),
+        (base, "f_dynamic_n", "3"),
+        (base, "f_dynamic_p", "-0.1"),
+        (base, "f_static_n", "1"),
+        (base, "mass", "-1"),
+        (base, "mass", "0"),
+        (base, "mass", "0.011"),
+        (base, "mass", "1e9"),
+        (base, "dv", "0"),
+        (base, "dv", "-0.1"),
+        (base, "dv", "5"),
+        (base, "damping_p", "-10"),
+        (base, "damping_n", "1e5"),
+        (impedance, "damping", "1200"),
+        (dahl, "sigma", "1e9"),
+        (dahl, "damping_p", "7"),
+        (Settings { renderer: RendererKind::Impedance, ..dahl }, "sigma", "1e5"),
+        (base, "stribeck_velocity", "0"),
+        (base, "sigma_1", "-1"),
+        (base, "spring.stiffness", "9e8"),
+        (base, "stribeck.force_p", "20"),
+        (base, "quadratic_drag.c_p", "1e5"),
+        (base, "nonlinear_spring.cubic", "1e12"),
+        (base, "stribeck.delta", "9"),
+    ];
+    for (settings, name, value) in cases {
+        let mut tried = *settings;
+        tried.set(name, value).expect("understood");
+        let refused = tried.validate(&device).expect_err(&format!("{name} = {value}"));
+        println!("err: {refused}");
+        let line = refused.to_string();
+        assert!(!line.contains('\n') && line.contains(refused.parameter));
+        // follow the advice, as a person would, until it is taken
+        let mut advised = tried;
+        let mut rounds = 0;
+        while let Err(refused) = advised.validate(&device) {
+            rounds += 1;
+            assert!(rounds <= 3, "advice leads nowhere: {refused}");
+            let number = match refused.accepted {
+                Accepted::AtMost(x) | Accepted::AtLeast(x) => x,
+                Accepted::Between(low, high) => {
+                    assert!(low <= high, "{refused}");
+                    if refused.value > high { high } else { low }
+                }
+            };
+            let name = match refused.effect {
+                Some(effect) => format!("{effect}.{}", refused.parameter),
+                None => refused.parameter.to_string(),
+            };
+            advised.set(&name, &number.to_string()).expect("understood");
+        }
+        assert!(advised.build(&device).is_ok());
+    }
+}
+
+#[test]
+fn nan_and_infinity_are_refused_in_every_field_even_past_the_parser() {
+    let device = Device::default();
+    for &law in LawKind::ALL {
+        for &renderer in RendererKind::ALL {
+            let base = Settings {
+                law,
+                renderer,
+                f_static_n: 3.9,
+                f_static_p: 3.9,
+                f_dynamic_n: 3.0,
+                f_dynamic_p: 3.0,
+                damping_p: 3.0,
+                damping_n: 3.0,
+                sigma: 5_000.0,
+                ..Settings::rubber()
+            };
+            assert!(base.validate(&device).is_ok(), "{law:?} {renderer:?}: {:?}", base.validate(&device));
+            for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                let fields: &[fn(&mut Settings) -> &mut f32] = &[
+                    |s| &mut s.f_static_p,
+                    |s| &mut s.f_static_n,
+                    |s| &mut s.f_dynamic_p,
+                    |s| &mut s.f_dynamic_n,
+                    |s| &mut s.damping_p,
+                    |s| &mut s.damping_n,
+                    |s| &mut s.dv,
+                    |s| &mut s.mass,
+                    |s| &mut s.k_vc,
+                    |s| &mut s.b_vc,
+                    |s| &mut s.sigma,
+                    |s| &mut s.sigma_1,
+                    |s| &mut s.stribeck_velocity,
+                ];
+                for field in fields {
+                    let mut settings = base;
+                    *field(&mut settings) = bad;
+                    assert!(settings.validate(&device).is_err(), "{settings:?}");
+                    assert!(settings.build(&device).is_err());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn names_round_trip_and_nonsense_changes_nothing() {
+    let mut settings = Settings::brass();
+    for parameter in Settings::PARAMETERS {
+        let value = settings.get(parameter.name).expect(parameter.name);
+        let before = settings;
+        let text = value.to_string();
+        settings.set(parameter.name, &text).expect("its own value");
+        assert_eq!(settings, before, "{} = {text}", parameter.name);
+        assert!(!parameter.what.is_empty() && !parameter.unit.is_empty());
+    }
+    settings.set("f_static", "3.5").expect("both directions");
+    assert_eq!((settings.f_static_p, settings.f_static_n), (3.5, 3.5));
+    assert_eq!(settings.get("f_static"), Some(Value::Number(3.5)));
+    assert_eq!(settings.get("f_dynamic"), Some(Value::Pair(1.7714, 1.729)));
+    settings.set("stribeck.force_p", "0.4").expect("an effect");
+    settings.set("stribeck.v_s", "0.02").expect("its shape");
+    assert_eq!(settings.get("stribeck.force_p"), Some(Value::Number(0.4)));
+    for id in ["spring.stiffness", "quadratic_drag.c_p", "offset.force"] {
+        let _ = settings.set(id, "1");
+    }
+    let before = settings;
+    for (name, value) in [
+        ("f_static", "nan"),
+        ("f_static", "inf"),
+        ("f_static", ""),
+        ("f_static", "3,5"),
+        ("f_static", "1e99"),
+        ("law", "butter"),
+        ("renderer", ""),
+        ("", "1"),
+        ("f_statik", "1"),
+        ("stribeck.colour", "1"),
+        ("stribeck.force_p", "x"),
+        ("unicorn.force", "1"),
+        ("stribeck", "on"),
+        ("cogging.cosine_1", "1"),
+        (".", "1"),
+        ("stribeck.", "1"),
+        ("damping_p ", "1"),
+        ("\u{fc}", "\u{1F9CA}"),
+    ] {
+        let error = settings.set(name, value).expect_err(name).to_string();
+        println!("err: {error}");
+        assert!(!error.contains('\n'));
+        assert_eq!(settings, before, "{name} = {value}");
+    }
+    settings.set("stribeck", "off").expect("takes it out");
+    assert_eq!(settings.get("stribeck.force_p"), None);
+}
