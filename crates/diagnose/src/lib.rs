@@ -1,1 +1,60 @@
-//! TODO
+//! Finds the physics a simulation left out of a recording: where the mismatch sits, what it is, what else it
+//! could be, and how much better the model gets on data it has not seen.
+//!
+//! The method is sound rather than quick to please: one zero-phase filter on every signal *and* every
+//! regressor, the baseline fitted jointly with every candidate, tests by flipping the signs of whole blocks
+//! (ordinary t-tests would call one null recording in three a discovery), gains only counted on blocks that
+//! were held out, and what the recording cannot tell said as clearly as what it can.
+//!
+//! ```
+//! use diagnose::{Options, Verdict, diagnose};
+//! use identify::Recording;
+//! let mut hidden = Recording::default();
+//! for i in 0..12_000 {
+//!     let t = f64::from(i) * 1e-3;
+//!     let (x, v, a) = [(0.010, 9.0), (0.006, 23.0)].iter().fold((0.0, 0.0, 0.0), |(x, v, a), (r, w)| {
+//!         (x + r * (w * t).sin(), v + r * w * (w * t).cos(), a - r * w * w * (w * t).sin())
+//!     });
+//!     let noise = 0.05 * (1e4 * t * t).sin();
+//!     hidden.time.push(t);
+//!     hidden.position.push(x);
+//!     hidden.force.push(0.4 * a + 1.5 * v.signum() + 2.0 * v + 60.0 * x + noise); // 60 N/m: not in the model
+//! }
+//! let found = diagnose(&[hidden], &[], &Options::default(), &|_, _| ())?;
+//! assert_eq!(found.verdict, Verdict::Mismatch);
+//! assert_eq!(found.missing[0].effect, "spring");
+//! # Ok::<(), diagnose::Error>(())
+//! ```
+//!
+//! [`diagnose`] is the only entry; [`Diagnosis`] is both the JSON (`tribos.diagnosis/1`) and the series for the
+//! report.
+#![forbid(unsafe_code)]
+
+mod ambiguity;
+mod engine;
+mod experiment;
+mod export;
+mod flips;
+mod floor;
+mod free_run;
+mod intake;
+mod linear;
+mod locate;
+mod options;
+pub mod report;
+mod result;
+mod search;
+mod sensor;
+mod signal;
+mod stage;
+mod term;
+mod track;
+mod unnamed;
+mod words;
+
+pub use engine::diagnose;
+pub use options::{Error, Options};
+pub use result::{
+    After, Baseline, Bin, Blind, Curve, Diagnosis, Figures, Location, Missing, NoiseFloor, Quantity, Rejected,
+    Remainder, SCHEMA, Validation, Verdict,
+};

@@ -125,6 +125,25 @@ pub struct After {
     pub free_run_error: Option<f64>,
     /// Share of the baseline's mismatch above the noise floor that is now explained.
     pub explained_share: f64,
+    /// The baseline's parameters as fitted jointly with everything that was named.
+    pub parameters: BTreeMap<String, Quantity>,
+}
+
+/// A recording that was not used for the fit, judged with structure and parameters frozen.
+#[derive(Debug, Clone, Serialize)]
+pub struct Validation {
+    /// Name of the recording.
+    pub recording: String,
+    /// Error of the frozen baseline.
+    pub rms_before: f64,
+    /// Error of the frozen model with everything that was named.
+    pub rms_after: f64,
+    /// The same over the root mean square of the force.
+    pub relative_before: f64,
+    /// The same over the root mean square of the force.
+    pub relative_after: f64,
+    /// Nuisances that were fitted again there; empty when everything was frozen.
+    pub refitted: Vec<String>,
 }
 
 /// What is left, and where.
@@ -210,6 +229,12 @@ pub struct Diagnosis {
     pub after: After,
     /// What is left.
     pub remainder: Remainder,
+    /// Root-mean-square force above which a typical effect would have been seen, in the force unit.
+    pub detectable: f64,
+    /// Cut-off of the one zero-phase filter, Hz; every error above is behind it.
+    pub cutoff_hz: f64,
+    /// Recordings not used for the fit.
+    pub validation: Vec<Validation>,
     /// The final model: `model.toml`, a preset.
     #[serde(skip)]
     pub model: Option<identify::Model>,

@@ -22,6 +22,7 @@
 mod adc;
 mod bus;
 mod dac;
+pub mod firmware;
 mod gpio;
 mod image;
 mod iwdg;

@@ -46,14 +46,15 @@ impl<S: Scalar> Default for DahlState<S> {
 impl<S: Scalar> Dahl<S> {
     /// What is left of the gap D − s z after sliding `distance`, as a share of what it was.
     fn decay(&self, gap: S, limit: S, distance: S) -> S {
-        // A cap in place of infinity: infinity times zero would be NaN.
-        let slid = (self.sigma * distance / limit).min(S::lit(1e30));
+        // A cap in place of infinity (and of 0·∞, which only a vanishing limit gives): both slide to the limit.
+        let cap = S::lit(1e30);
+        let slid = cap.min(self.sigma * distance / limit);
         let one = S::one();
         if self.exponent == one && !self.exponent.has_derivative() {
             return (-slid).exp();
         }
         let over = self.exponent - one;
-        let slid = slid * (gap / limit).powf(over);
+        let slid = cap.min(slid * (gap / limit).powf(over));
         // (1 + y)^(−1/over) with y = over·slid, written so that it passes smoothly through over = 0.
         let y = over * slid;
         if y <= -one {

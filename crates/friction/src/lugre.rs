@@ -75,7 +75,7 @@ impl<S: Scalar> FrictionLaw<S> for LuGre<S> {
             let left = if level > zero { (-(self.sigma_0 * dx.abs() / level)).exp() } else { zero };
             state.z = (end + (before - end) * left).clamp(-bound, bound);
         }
-        let rate = if motion.dt > zero { (state.z - before) / motion.dt } else { zero };
+        let rate = if motion.dt > zero { limits::bounded((state.z - before) / motion.dt) } else { zero };
         limits::bounded(self.sigma_0 * state.z + self.sigma_1 * rate + self.sigma_2 * motion.velocity)
     }
 

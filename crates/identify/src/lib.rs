@@ -1,1 +1,40 @@
-//! TODO
+//! Recordings in and out, their audit, and friction identified from them.
+//!
+//! A [`Recording`] is read from CSV or MATLAB v5, [`audit`]ed, [`prepare`]d into [`Signals`] behind one stated
+//! zero-phase filter, and fitted: [`identify_karnopp`] (thesis eq. 3.5 to 3.9) or [`identify_dahl`] (eq. 3.2, 3.3,
+//! 3.10, σ included). The answer is an [`Identification`], and as a [`Model`] it predicts, simulates, and is a
+//! preset of the device.
+//!
+//! Units are SI: s, m, m/s, m/s², N, kg; on a rotary axis rad, rad/s, rad/s², N·m, kg·m².
+#![forbid(unsafe_code)]
+
+mod audit;
+mod calibrate;
+mod csv_io;
+mod dahl;
+mod error;
+mod expression;
+mod filter;
+mod identification;
+mod karnopp;
+mod linear;
+mod mat_io;
+mod model;
+mod model_toml;
+mod noise;
+mod preprocess;
+mod recording;
+mod static_level;
+
+pub use audit::{Audit, FaultKind, RecordingFault, audit};
+pub use calibrate::{Calibration, calibrate_accelerometer};
+pub use dahl::{DahlOptions, Ending, identify_dahl};
+pub use error::Error;
+pub use expression::Map;
+pub use filter::{Design, Filter, Kind, Section, central_difference, decimate, four_point_difference, zero_phase};
+pub use identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
+pub use karnopp::{Errors, Estimator, KarnoppOptions, identify_karnopp};
+pub use model::{Model, Nuisances};
+pub use noise::noise_variance;
+pub use preprocess::{Preprocess, Signals, prepare};
+pub use recording::{Geometry, ReadOptions, Recording};

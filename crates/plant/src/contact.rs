@@ -82,12 +82,10 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
             mass: stopping_mass,
             normal: Some(self.normal),
         };
-        let before = if velocity == 0.0 { Some(**state) } else { None };
         let force = finite(law.step(state, &motion), self.not_finite);
         let net = motion.applied - force;
-        if let Some(mut nudged) = before
-            && net != 0.0
-        {
+        if velocity == 0.0 && net != 0.0 {
+            let mut nudged = **state;
             // The law does not balance the load. If its friction jumps at rest (a sgn(v) in it), it may
             // still hold: ask it just beside rest, on the side the body would leave to (Filippov).
             motion.velocity = NUDGE.copysign(net);

@@ -4,7 +4,7 @@ use friction::effects::{Effect, EffectState};
 use friction::{FrictionLaw, Invalid, Motion};
 
 /// Most effects on one block.
-pub const MAX_EFFECTS: usize = 8;
+pub const MAX_EFFECTS: usize = 4;
 
 /// A base law plus up to [`MAX_EFFECTS`] effects of the catalogue. It is a law itself, so a rig takes it
 /// like any other.

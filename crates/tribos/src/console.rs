@@ -182,7 +182,7 @@ fn run(terminal: &mut DefaultTerminal, session: &mut Session, name: &str) -> Res
     session.send_line("stream on 10")?;
     let mut drawn = Instant::now() - Duration::from_secs(1);
     loop {
-        for event in session.poll_paced()? {
+        for event in session.poll()? {
             screen.take(event);
         }
         if drawn.elapsed() >= Duration::from_millis(33) {

@@ -84,7 +84,7 @@ mod tests {
         let mut t = Table::new(&["parameter", ">value", "unit"]);
         t.row(["mass", "95.154", "kg"]);
         t.row(["σ₀", "3", "N/m"]);
-        assert_eq!(t.render(), "  parameter    value   unit\n  mass        95.154   kg\n  σ₀               3   N/m\n");
+        assert_eq!(t.render(), "  parameter   value  unit\n  mass       95.154  kg\n  σ₀              3  N/m\n");
     }
 
     #[test]

@@ -17,6 +17,7 @@ pub fn html(diagnosis: &Diagnosis, name: &str) -> String {
     head(&mut page, diagnosis, name);
     conviction(&mut page, diagnosis);
     findings(&mut page, diagnosis);
+    validation(&mut page, diagnosis);
     comparison(&mut page, diagnosis);
     recording(&mut page, diagnosis);
     baseline(&mut page, diagnosis);
@@ -207,6 +208,34 @@ fn finding(m: &Missing, unit: &str) -> String {
     out
 }
 
+/// Recordings the fit has not seen, structure and parameters frozen.
+fn validation(page: &mut Page, d: &Diagnosis) {
+    if d.validation.is_empty() {
+        return;
+    }
+    let unit = escape(&d.noise_floor.unit);
+    page.heading("On recordings it has not seen");
+    let mut table = format!(
+        r#"<p>Structure and parameters frozen; root-mean-square force error, and its share of the force.</p>
+<div class="scroll"><table><tr><th>recording</th><th class="n">before, {unit}</th><th class="n">after, {unit}</th><th class="n">before</th><th class="n">after</th><th>fitted again</th></tr>"#
+    );
+    for v in &d.validation {
+        let again: Vec<String> = v.refitted.iter().map(|r| words(r)).collect();
+        let _ = write!(
+            table,
+            r#"<tr><td>{}</td><td class="n">{}</td><td class="n">{}</td><td class="n">{} %</td><td class="n">{} %</td><td>{}</td></tr>"#,
+            escape(&v.recording),
+            number(v.rms_before, 3),
+            number(v.rms_after, 3),
+            number(100.0 * v.relative_before, 3),
+            number(100.0 * v.relative_after, 3),
+            if again.is_empty() { "nothing".into() } else { again.join(", ") }
+        );
+    }
+    table.push_str("</table></div>");
+    page.html(table);
+}
+
 /// Breaks a line where one recording ends and the next begins.
 fn broken_at(values: &[f64], starts: &[usize]) -> Vec<f64> {
     let mut out = values.to_vec();
@@ -300,6 +329,10 @@ fn baseline(page: &mut Page, d: &Diagnosis) {
         words(&d.baseline.law)
     ));
     page.html(parameters(&d.baseline.parameters));
+    if !d.missing.is_empty() && !d.after.parameters.is_empty() {
+        page.html("<p>The same parameters once the missing physics is in the model:</p>");
+        page.html(parameters(&d.after.parameters));
+    }
 }
 
 fn excluded(page: &mut Page, d: &Diagnosis) {
@@ -358,14 +391,22 @@ fn method(page: &mut Page, d: &Diagnosis) {
     let unit = escape(&d.noise_floor.unit);
     let mut list = format!(
         r#"<ul class="plain"><li>Noise floor {} {unit}, from {}.</li>
-<li>Every signal and every regressor passes the same zero-phase filter; both ends are trimmed by its length.</li>
+<li>Every signal and every regressor passes the same zero-phase filter ({} Hz); both ends are trimmed by its length. Every error here is behind that filter.</li>
 <li>The baseline is fitted jointly with every candidate and the nuisances, never to the residual of a frozen baseline.</li>
 <li>Bands and p values of a location come from flipping the sign of whole blocks of the residual (maximum statistic, so that looking at many bins is paid for).</li>
 <li>Held-out means blocks, or recordings, not used for the fit; the interval of a gain is a block bootstrap.</li>"#,
         number(d.noise_floor.rms, 3),
-        escape(&d.noise_floor.how)
+        escape(&d.noise_floor.how),
+        number(d.cutoff_hz, 3)
     );
-    if d.verdict != Verdict::NotTestable {
+    if d.detectable.is_finite() {
+        let _ = write!(
+            list,
+            "<li>An effect of about {} {unit} (rms) or more would have been seen.</li>",
+            number(d.detectable, 2)
+        );
+    }
+    if !d.missing.is_empty() {
         let _ = write!(
             list,
             "<li>With everything named, {} of the mismatch above the noise floor is explained; {} {unit} (rms) remain{}.</li>",

@@ -97,7 +97,17 @@ fn stribeck(n: usize) -> Diagnosis {
                 unit: "N".into(),
             })
             .collect(),
-        after: After { rms_heldout: 0.066, free_run_error: Some(1.2e-3), explained_share: 0.97 },
+        after: After { rms_heldout: 0.066, free_run_error: Some(1.2e-3), explained_share: 0.97, parameters: BTreeMap::from([("mass".into(), quantity(0.4187, 0.0031, "kg"))]) },
+        detectable: 0.011,
+        cutoff_hz: 40.0,
+        validation: vec![Validation {
+            recording: "brass-2.csv".into(),
+            rms_before: 0.140,
+            rms_after: 0.068,
+            relative_before: 0.071,
+            relative_after: 0.034,
+            refitted: vec!["position origin".into()],
+        }],
         remainder: Remainder { rms: 0.02, located_at: vec![] },
         model: None,
         figures: Figures {
@@ -152,6 +162,9 @@ fn everything_a_person_needs_is_said() {
         "0.4103",
         "from repeats",
         "97 %",
+        "brass-2.csv",
+        "position origin",
+        "40.0 Hz",
     ] {
         assert!(page.contains(needed), "missing: {needed}");
     }

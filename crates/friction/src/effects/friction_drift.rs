@@ -1,7 +1,7 @@
 //! Friction that changes while the machine runs: warm-up, running-in, wear.
 //!
-//! F = s·force·exp(−t/T), t the time since the start, kept in memory; by direction. A negative force is friction that rises
-//! to its final level. With T far beyond the recording it is a linear trend.
+//! F = s·force·exp(−t/settling_time), t the time since the start, kept in memory; by direction. A negative force
+//! is friction that rises to its final level. With settling_time far beyond the recording it is a linear trend.
 //!
 //! * Signature: e·s trends in time.
 //! * Confused with: sublinear_viscous, when the speeds were visited in order.
@@ -17,7 +17,7 @@ pub struct FrictionDrift;
 impl Signature for FrictionDrift {
     const ID: &'static str = "friction_drift";
     const SAYS: &'static str = "Friction slowly changes while the machine runs, as it warms up or wears.";
-    const EQUATION: &'static str = "s*force*exp(-t/T)";
+    const EQUATION: &'static str = "s*force*exp(-t/settling_time)";
     const GAINS: &'static [Parameter] = &[
         Parameter::new(
             "force_p",
@@ -32,18 +32,19 @@ impl Signature for FrictionDrift {
             "friction at the start beyond its final level, negative motion",
         ),
     ];
-    const SHAPE: &'static [Parameter] = &[Parameter::new("T", "s", (1e-3, 1e6), "time in which it settles")];
+    const SHAPE: &'static [Parameter] =
+        &[Parameter::new("settling_time", "s", (1e-3, 1e6), "time in which it settles")];
 
     fn unit<S: Scalar>(
         shape: &[S; MAX_SHAPE],
         memory: &mut [S; MAX_MEMORY],
         motion: &Motion<S>,
     ) -> [S; MAX_GAINS] {
-        let [settling, _] = *shape;
+        let [settling_time, _] = *shape;
         // A short time is added to what is left of it, so that hours of steps lose nothing to rounding in f32.
         let [elapsed, rest, ..] = memory;
         let v = motion.velocity;
-        let now = (-((*elapsed + *rest) / settling)).exp();
+        let now = (-((*elapsed + *rest) / settling_time)).exp();
         *rest += motion.dt.max(S::zero());
         let sum = *elapsed + *rest;
         *rest -= sum - *elapsed;

@@ -7,7 +7,7 @@
 //!
 //! Ranges are physical: a fit that ends outside of one is naming another effect.
 
-use crate::{Invalid, Motion, Scalar, in_range};
+use crate::{Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
 mod signature;
@@ -130,10 +130,10 @@ impl<S: Scalar> Effect<S> {
     /// The force of the effect over this step, N, positive against positive motion.
     pub fn step(&self, state: &mut EffectState<S>, motion: &Motion<S>) -> S {
         let unit = self.kind.unit(&self.shape, &mut state.memory, motion);
-        let used = self.kind.gains().len();
-        let force =
-            self.gains.iter().zip(unit).take(used).fold(S::zero(), |sum, (&gain, unit)| sum + gain * unit);
-        crate::limits::bounded(force)
+        let used = self.gains.iter().zip(unit).take(self.kind.gains().len());
+        // x³ of an absurd x overflows f32; limited first, it cannot meet a zero gain or its opposite as infinity
+        let most = S::lit(1e20);
+        limits::bounded(used.fold(S::zero(), |sum, (&gain, unit)| sum + gain * unit.clamp(-most, most)))
     }
 
     /// The gain or shape parameter of this name.

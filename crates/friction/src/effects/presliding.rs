@@ -46,10 +46,12 @@ impl Signature for Presliding {
         motion: &Motion<S>,
     ) -> [S; MAX_GAINS] {
         let [x_s, _] = *shape;
-        let [z, ..] = memory;
-        let (dx, v) = (motion.displacement, motion.velocity);
-        *z = bristle(*z, dx, x_s);
-        let direction = if v == S::zero() { dx } else { v };
-        by_direction(direction, *z - v.sgn())
+        let [z, direction, ..] = memory;
+        let s = motion.velocity.sgn();
+        *z = bristle(*z, motion.displacement, x_s);
+        if s != S::zero() {
+            *direction = s; // at rest the bristles hold with the gain they were bent with
+        }
+        by_direction(*direction, *z - s)
     }
 }

@@ -91,7 +91,8 @@ pub(super) fn mean_decay<S: Scalar>(q: S) -> S {
 
 /// Sine and cosine of 2πx/λ.
 pub(super) fn wave<S: Scalar>(position: S, wavelength: S) -> (S, S) {
-    let phase = S::lit(core::f64::consts::TAU) * (position / wavelength);
+    let turns = (position / wavelength).clamp(S::lit(-1e12), S::lit(1e12)); // the sine of infinity is NaN
+    let phase = S::lit(core::f64::consts::TAU) * turns;
     (phase.sin(), phase.cos())
 }
 

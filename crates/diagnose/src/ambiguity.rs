@@ -1,0 +1,169 @@
+//! What else it could be, what was ruled out, and what this motion cannot show.
+
+use crate::experiment::Bench;
+use crate::flips::block_scores;
+use crate::linear::{Basis, dot};
+use crate::result::{Blind, Rejected};
+use crate::search::{Atom, Hypothesis, Search, is_testable};
+use crate::term::{Stage, TermKind};
+
+/// Cosine above which two explanations count as one on this recording.
+const COLLINEAR: f64 = 0.95;
+
+/// Effects no motion can separate from another, with that other and the reason.
+const NEVER: &[(&str, &str, &str)] = &[
+    ("back_emf", "viscous", "identical to viscous friction in every motion"),
+    ("force_crosstalk", "mass", "identical to a mass and a spring in every motion"),
+];
+
+/// Other effects that explain term `i` of `found` as well as it does.
+pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<String> {
+    let stage = search.stage;
+    let mut others = found.atoms.clone();
+    let named = others.remove(i);
+    let basis = Basis::of(&Hypothesis::columns(stage, &others));
+    let mut contribution = vec![0.0; stage.y.len()];
+    for (c, column) in found.coefficients(stage, i).iter().zip(&named.columns) {
+        for (s, x) in contribution.iter_mut().zip(column) {
+            *s += c * x;
+        }
+    }
+    let contribution = basis.project_out(&contribution);
+    let size = dot(&contribution, &contribution);
+    let mut out = Vec::new();
+    let without = Hypothesis::new(stage, others.clone());
+    for kind in TermKind::all() {
+        if found.atoms.iter().any(|a| a.term.kind == kind) {
+            continue;
+        }
+        let best = search
+            .catalogue
+            .testable()
+            .into_iter()
+            .filter(|a| a.term.kind == kind)
+            .map(|a| {
+                let rest: Vec<Vec<f64>> = a.columns.iter().map(|c| basis.project_out(c)).collect();
+                (Basis::of(&rest).captured(&contribution), a)
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((captured, atom)) = best else { continue };
+        // A grid point is not the best shape yet: let in a little less and refine.
+        if captured < 0.8 * size {
+            continue;
+        }
+        let mut atoms = others.clone();
+        atoms.push(atom.clone());
+        let Some(rival) = Hypothesis::new(stage, atoms).map(|h| search.refine(h)) else { continue };
+        let Some(theirs) = rival.atoms.last() else { continue };
+        let rest: Vec<Vec<f64>> = theirs.columns.iter().map(|c| basis.project_out(c)).collect();
+        if Basis::of(&rest).captured(&contribution) < COLLINEAR * COLLINEAR * size {
+            continue;
+        }
+        let interval = search.interval(&rival, found);
+        let lost = rival.fit.heldout_sum() - found.fit.heldout_sum();
+        let gained = without.as_ref().map_or(0.0, |w| w.fit.heldout_sum() - found.fit.heldout_sum());
+        if interval[0] <= 0.0 || lost < 0.03 * gained {
+            out.push(kind.id().to_string());
+        }
+    }
+    if named.term.kind.id() == "spring" {
+        out.push("force_crosstalk".into());
+    }
+    out
+}
+
+/// Effects this motion, or its sensors, cannot show.
+pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, String)]) -> Vec<Blind> {
+    let stage = search.stage;
+    let names = ["mass", "Coulomb friction forward", "Coulomb friction backward", "viscous friction forward", "viscous friction backward"];
+    let mut out: Vec<Blind> = NEVER
+        .iter()
+        .map(|(effect, _, because)| Blind {
+            effect: (*effect).into(),
+            because: (*because).into(),
+            experiment: bench.shows(effect),
+        })
+        .collect();
+    for kind in TermKind::all() {
+        let id = kind.id();
+        if let Some((_, because)) = unavailable.iter().find(|(e, _)| *e == id) {
+            out.push(Blind { effect: id.into(), because: because.clone(), experiment: bench.shows(id) });
+            continue;
+        }
+        let atoms: Vec<&Atom> = search.catalogue.atoms.iter().filter(|a| a.term.kind == kind).collect();
+        if atoms.iter().any(|a| is_testable(a)) {
+            continue;
+        }
+        let visible = atoms.iter().map(|a| a.visible).fold(0.0, f64::max);
+        let because = if visible >= 0.1 {
+            let reliable = atoms.iter().map(|a| a.reliable).fold(f64::NEG_INFINITY, f64::max);
+            format!("sensor noise covers it: only {:.0} % of its signature is signal", 100.0 * reliable.max(0.0))
+        } else if visible == 0.0 && atoms.iter().all(|a| a.columns.is_empty()) && atoms.iter().all(|a| a.visible == 0.0) {
+            "this motion never excites it".to_string()
+        } else {
+            // The baseline column closest to it tells a person what absorbs it.
+            let closest = atoms.first().and_then(|a| {
+                let column = stage.columns(&a.term).into_iter().next()?;
+                let size = dot(&column, &column).sqrt();
+                stage
+                    .baseline
+                    .iter()
+                    .zip(names)
+                    .map(|(b, n)| (dot(b, &column).abs() / (size * dot(b, b).sqrt()).max(1e-300), n))
+                    .max_by(|a, b| a.0.total_cmp(&b.0))
+            });
+            match closest {
+                Some((cosine, name)) if cosine > 0.9 => {
+                    format!("collinear with {name} on this motion (cosine {cosine:.3}, {:.1} % left)", 100.0 * visible)
+                }
+                _ => format!("absorbed by the baseline on this motion ({:.1} % of it left)", 100.0 * visible),
+            }
+        };
+        out.push(Blind { effect: id.into(), because, experiment: bench.shows(id) });
+    }
+    out
+}
+
+/// Effects that were tested beside everything that was found and are not there, with a 95 % upper bound of
+/// their root-mean-square force.
+pub fn rejected(search: &Search, found: &Hypothesis, equivalent: &[String], unit: &str) -> Vec<Rejected> {
+    let stage = search.stage;
+    let basis = Basis::of(&Hypothesis::columns(stage, &found.atoms));
+    let rows: f64 = stage.block_weight().iter().sum();
+    let mut out = Vec::new();
+    for kind in TermKind::all() {
+        let id = kind.id();
+        if found.atoms.iter().any(|a| a.term.kind == kind) || equivalent.iter().any(|e| e == id) {
+            continue;
+        }
+        let bound = search
+            .catalogue
+            .testable()
+            .into_iter()
+            .filter(|a| a.term.kind == kind)
+            .filter_map(|a| upper_bound(stage, &basis, a, &found.fit.residual, rows))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, bound)) = bound {
+            out.push(Rejected { effect: id.into(), upper_bound: bound, unit: unit.into() });
+        }
+    }
+    out
+}
+
+/// What the atom captures of the residual, and the upper bound of its force.
+fn upper_bound(stage: &Stage, basis: &Basis, atom: &Atom, residual: &[f64], rows: f64) -> Option<(f64, f64)> {
+    let (mut captured, mut square) = (0.0, 0.0);
+    for column in &atom.columns {
+        let rest = basis.project_out(column);
+        let power = dot(&rest, &rest);
+        if power <= 1e-4 * dot(column, column) {
+            continue;
+        }
+        let scores = block_scores(&rest, residual, &stage.blocks);
+        let value = scores.iter().sum::<f64>() / power;
+        let deviation = dot(&scores, &scores).sqrt() / power;
+        captured = f64::max(captured, value * value * power);
+        square += (value.abs() + 1.645 * deviation).powi(2) * dot(column, column);
+    }
+    (square > 0.0 && rows > 0.0).then(|| (captured, (square / rows).sqrt()))
+}

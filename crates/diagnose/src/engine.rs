@@ -1,0 +1,470 @@
+//! The steps in order.
+
+use crate::ambiguity::{blind, equivalents, rejected};
+use crate::experiment::Bench;
+use crate::flips::gain_interval;
+use crate::floor::{Floor, floor};
+use crate::free_run::{self, Plant};
+use crate::intake::{Intake, take};
+use crate::linear::{Fit, dot, fit};
+use crate::locate::{locate, row_motion, row_times};
+use crate::options::{Error, Options};
+use crate::result::{
+    After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Validation, Verdict,
+};
+use crate::search::{Atom, Catalogue, FOLDS, Hypothesis, Search};
+use crate::term::{Scales, Stage, TermKind};
+use crate::track::{Channels, Noise, choose_cutoff, dominant_frequency};
+use identify::Recording;
+use std::collections::BTreeMap;
+
+/// Names of the baseline's columns, and their units for a slide and for an axis.
+pub(crate) const BASELINE: [(&str, &str, &str); 5] = [
+    ("mass", "kg", "kg·m²"),
+    ("coulomb_p", "N", "N·m"),
+    ("coulomb_n", "N", "N·m"),
+    ("viscous_p", "N·s/m", "N·m·s/rad"),
+    ("viscous_n", "N·s/m", "N·m·s/rad"),
+];
+
+/// Locates what a simulation leaves out of a recording, names it, and confirms it on data not used.
+///
+/// `train` are fitted together with shared parameters; `validate` are judged with structure and parameters
+/// frozen. `progress` is told a share of the work done and what is being done.
+///
+/// # Errors
+/// No recording, recordings that do not belong together, channels of different length or an option outside its
+/// range. A recording that cannot answer is not an error: its verdict is `not_testable`.
+pub fn diagnose(
+    train: &[Recording],
+    validate: &[Recording],
+    options: &Options,
+    progress: &dyn Fn(f32, &str),
+) -> Result<Diagnosis, Error> {
+    options.validate()?;
+    progress(0.0, "audit");
+    let intake = take(train)?;
+    let judged = if validate.is_empty() { None } else { Some(take(validate)?) };
+    let unit = if intake.rotary { "N·m" } else { "N" };
+    if intake.stretches.is_empty() {
+        return Ok(untestable(intake, unit, "no stretch of the recording is long and clean enough to be fitted"));
+    }
+    let cutoff = options.cutoff_hz.unwrap_or_else(|| choose_cutoff(&intake.stretches));
+    progress(0.05, "filter and baseline");
+    let Some(stage) = Stage::new(&intake.stretches, cutoff) else {
+        return Ok(untestable(intake, unit, "too few samples in motion are left after those with an unknown direction are set aside"));
+    };
+    if stage.baseline.len() < BASELINE.len() {
+        return Ok(untestable(intake, unit, "the body moves in one direction only: record a move that reverses"));
+    }
+    let Some(baseline) = Hypothesis::new(&stage, Vec::new()) else {
+        return Ok(untestable(intake, unit, "mass and friction cannot be told apart on this motion: accelerate more"));
+    };
+    let run = Run { intake, stage, baseline, cutoff, options, unit };
+    Ok(run.diagnose(judged, progress))
+}
+
+struct Run<'a> {
+    intake: Intake,
+    stage: Stage,
+    baseline: Hypothesis,
+    cutoff: f64,
+    options: &'a Options,
+    unit: &'static str,
+}
+
+impl Run<'_> {
+    fn diagnose(self, judged: Option<Intake>, progress: &dyn Fn(f32, &str)) -> Diagnosis {
+        let Self { ref stage, ref baseline, cutoff, options, unit, .. } = self;
+        let rotary = self.intake.rotary;
+        let rows: f64 = stage.block_weight().iter().sum();
+        let to_rms = |sum: f64| (sum / rows.max(1e-300)).sqrt();
+
+        let floor = self.floor();
+        progress(0.1, "catalogue");
+        let scales = Scales::of(&stage.tracks, cutoff);
+        let noisy = stage.perturbed(cutoff, &baseline.fit.coefficients, options.seed ^ 0x51f1);
+        let unavailable = self.unavailable();
+        let mut exclude: Vec<&str> = options.exclude.iter().map(String::as_str).collect();
+        exclude.extend(unavailable.iter().map(|(e, _)| *e));
+        let catalogue = Catalogue::new(stage, &noisy, &scales, &exclude);
+        let search = Search {
+            stage,
+            catalogue: &catalogue,
+            scales: &scales,
+            floor: floor.rms * floor.rms * rows,
+            max_terms: options.max_terms,
+            width: options.beam_width,
+            seed: options.seed,
+        };
+        progress(0.3, "naming");
+        let (found, p) = search.run(progress).unwrap_or_else(|| (baseline.clone(), Vec::new()));
+
+        progress(0.85, "location");
+        let columns = Hypothesis::columns(stage, &[]);
+        let squared_floor = search.floor;
+        let located = locate(
+            stage,
+            &columns,
+            &baseline.fit.residual,
+            &found.fit.residual,
+            &found.fit.residual,
+            squared_floor,
+            rotary,
+            options.seed,
+        );
+        let columns = Hypothesis::columns(stage, &found.atoms);
+        let left = locate(
+            stage,
+            &columns,
+            &found.fit.residual,
+            &found.fit.residual,
+            &found.fit.residual,
+            squared_floor,
+            rotary,
+            options.seed,
+        );
+
+        let before = baseline.fit.heldout_sum();
+        let after = found.fit.heldout_sum();
+        let unnamed = crate::unnamed::find(&search, &found, &left, before);
+        let bench = self.bench();
+        progress(0.9, "rivals");
+        let mut missing = Vec::new();
+        let mut equivalent = Vec::new();
+        for (i, p) in (0..found.atoms.len()).zip(&p) {
+            let entry = self.missing(&search, &found, i, *p, &bench);
+            equivalent.extend(entry.indistinguishable_from.iter().cloned());
+            missing.push(entry);
+        }
+        missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+        let explained_by_unnamed = unnamed.as_ref().map(|u| u.rms_heldout_after);
+        missing.extend(unnamed);
+        let verdict = if missing.is_empty() { Verdict::NoMismatch } else { Verdict::Mismatch };
+
+        progress(0.95, "free run and validation");
+        let excess = |sum: f64| (sum - squared_floor).max(0.0);
+        let explained_share = if excess(before) > 0.0 { (1.0 - excess(after) / excess(before)).clamp(0.0, 1.0) } else { 0.0 };
+        let plant = self.plant(&found);
+        let run = free_run::run(stage, &plant, bench.frequency);
+        let rejected = rejected(&search, &found, &equivalent, unit);
+        let bound = detectable(&rejected);
+        let (time, (position, velocity)) = (row_times(stage), row_motion(stage));
+        let unweighted = |series: &[f64]| -> Vec<f64> { series.iter().zip(&stage.weight).map(|(x, w)| x / w).collect() };
+        let mut curves = located.curves;
+        curves.truncate(8);
+        let figures = Figures {
+            free_run_position: run.as_ref().map_or_else(Vec::new, |(_, x)| self.at_rows(x)),
+            time,
+            position,
+            velocity,
+            force: unweighted(&stage.y),
+            before: unweighted(&baseline.fit.heldout_prediction),
+            after: unweighted(&found.fit.heldout_prediction),
+            curves,
+        };
+        let validation = judged.map_or_else(Vec::new, |j| self.validate(&j, &found));
+        let location = if verdict == Verdict::Mismatch {
+            located.regions.into_iter().take(12).collect()
+        } else {
+            Vec::new()
+        };
+        let mut diagnosis = Diagnosis {
+            schema: SCHEMA,
+            verdict,
+            summary: String::new(),
+            recording_faults: self.intake.faults.clone(),
+            noise_floor: NoiseFloor { rms: floor.rms, unit: unit.into(), how: floor.how.into() },
+            baseline: Baseline {
+                law: "karnopp".into(),
+                parameters: self.parameters(&baseline.fit),
+                rms_heldout: to_rms(before),
+            },
+            location,
+            blind_to: blind(&search, &bench, &unavailable),
+            rejected,
+            after: After {
+                rms_heldout: explained_by_unnamed.unwrap_or(to_rms(after)).min(to_rms(before)),
+                free_run_error: run.map(|r| r.0),
+                explained_share: if verdict == Verdict::Mismatch { explained_share } else { 0.0 },
+                parameters: self.parameters(&found.fit),
+            },
+            remainder: Remainder {
+                rms: to_rms(excess(after)),
+                located_at: if left.p <= 0.01 { left.regions.into_iter().take(6).collect() } else { Vec::new() },
+            },
+            detectable: bound,
+            cutoff_hz: cutoff,
+            validation,
+            model: Some(self.model(&found)),
+            missing,
+            figures,
+        };
+        diagnosis.summary = crate::words::summary(&diagnosis);
+        progress(1.0, "done");
+        diagnosis
+    }
+
+    fn floor(&self) -> Floor {
+        let residual = self.stage.sample_residual(&self.baseline.fit.coefficients);
+        floor(&self.stage, &residual, self.baseline.fit.coefficients[0], self.options.declared_noise)
+    }
+
+    fn bench(&self) -> Bench {
+        let (low, high) = self.stage.tracks.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| {
+            t.x.iter().fold((l, h), |(l, h), x| (l.min(*x), h.max(*x)))
+        });
+        let frequency = self.intake.stretches.iter().map(dominant_frequency).fold(0.0, f64::max);
+        Bench { amplitude: 0.5 * (high - low), frequency }
+    }
+
+    /// Effects that need a channel the recordings do not have.
+    fn unavailable(&self) -> Vec<(&'static str, String)> {
+        let mut out = Vec::new();
+        if self.intake.stretches.iter().all(|s| s.velocity.is_none()) {
+            let because = "there is no velocity channel: velocity is derived from position without lag";
+            out.push(("velocity_lag", because.to_string()));
+        }
+        out
+    }
+
+    fn parameters(&self, fit: &Fit) -> BTreeMap<String, Quantity> {
+        BASELINE
+            .iter()
+            .zip(fit.coefficients.iter().zip(&fit.deviations))
+            .map(|((name, linear, rotary), (value, std))| {
+                let unit = if self.intake.rotary { rotary } else { linear };
+                (name.to_string(), Quantity { value: *value, std: *std, unit: unit.to_string() })
+            })
+            .collect()
+    }
+
+    fn missing(&self, search: &Search, found: &Hypothesis, i: usize, p: f64, bench: &Bench) -> Missing {
+        let stage = &self.stage;
+        let atom = &found.atoms[i];
+        let mut others = found.atoms.clone();
+        others.remove(i);
+        let without = Hypothesis::new(stage, others);
+        let rows: f64 = stage.block_weight().iter().sum();
+        let before = without.as_ref().map_or(f64::NAN, |w| (w.fit.heldout_sum() / rows).sqrt());
+        let interval = without.as_ref().map_or([0.0, 0.0], |w| {
+            gain_interval(&w.fit.heldout, &found.fit.heldout, &stage.block_weight(), 2000, self.options.seed)
+        });
+        let rivals = equivalents(search, found, i);
+        let id = atom.term.kind.id();
+        let experiment = rivals.first().map_or_else(|| bench.shows(id), |r| bench.separates(id, r));
+        Missing {
+            effect: id.into(),
+            says: atom.term.kind.says().into(),
+            equation: atom.term.kind.equation().into(),
+            parameters: self.effect_parameters(search, found, i),
+            rms_heldout_before: before,
+            rms_heldout_after: (found.fit.heldout_sum() / rows).sqrt(),
+            gain_ci95: interval,
+            p,
+            indistinguishable_from: rivals,
+            experiment,
+        }
+    }
+
+    /// Gains and shape of term `i` with deviations that know about each other: the shape's own derivative is a
+    /// column of the fit.
+    fn effect_parameters(&self, search: &Search, found: &Hypothesis, i: usize) -> BTreeMap<String, Quantity> {
+        let stage = &self.stage;
+        let atom = &found.atoms[i];
+        let kind = atom.term.kind;
+        let mut columns: Vec<Vec<f64>> = Hypothesis::columns(stage, &found.atoms).iter().map(|c| c.to_vec()).collect();
+        let coefficients = found.coefficients(stage, i).to_vec();
+        let mut slopes = Vec::new();
+        for (axis, parameter) in kind.shape().iter().enumerate() {
+            let (low, high, _) = search.scales.range(parameter);
+            let here = atom.term.shape[axis];
+            let step = (0.02 * here.abs()).max(1e-4 * (high - low));
+            let side = |sign: f64| -> Vec<f64> {
+                let mut term = atom.term;
+                term.shape[axis] = here + sign * step;
+                let other = Atom::new(stage, &search.catalogue.baseline, term);
+                let mut sum = vec![0.0; stage.y.len()];
+                if other.active == atom.active {
+                    for (c, column) in coefficients.iter().zip(&other.columns) {
+                        for (s, x) in sum.iter_mut().zip(column) {
+                            *s += c * x;
+                        }
+                    }
+                }
+                sum
+            };
+            let slope: Vec<f64> =
+                side(1.0).iter().zip(side(-1.0)).map(|(a, b)| (a - b) / (2.0 * step)).collect();
+            slopes.push(slope);
+        }
+        let own = found.offset(stage, i);
+        let plain = columns.len();
+        columns.extend(slopes.iter().cloned());
+        let joint = if slopes.iter().all(|s| dot(s, s) > 0.0) { fit(&columns, &stage.y, &stage.blocks, FOLDS) } else { None };
+        let deviation = |column: usize| -> f64 {
+            joint.as_ref().or(Some(&found.fit)).and_then(|f| f.deviations.get(column)).copied().unwrap_or(f64::NAN)
+        };
+        let mut out = BTreeMap::new();
+        let gains = atom.gains(&coefficients);
+        let groups = atom.term.free_gains();
+        for (g, parameter) in kind.gains().iter().enumerate() {
+            let column = groups
+                .iter()
+                .position(|members| members.contains(&g))
+                .and_then(|free| atom.active.iter().position(|a| *a == free));
+            let Some(column) = column else { continue };
+            let unit = self.unit_of(parameter.unit);
+            out.insert(parameter.name.to_string(), Quantity { value: gains[g], std: deviation(own + column), unit });
+        }
+        for (axis, parameter) in kind.shape().iter().enumerate() {
+            let std = if joint.is_some() { deviation(plain + axis) } else { f64::NAN };
+            let unit = self.unit_of(parameter.unit);
+            out.insert(parameter.name.to_string(), Quantity { value: atom.term.shape[axis], std, unit });
+        }
+        out
+    }
+
+    /// A unit of a slide as that of an axis, where the recording is one.
+    fn unit_of(&self, unit: &str) -> String {
+        if self.intake.rotary {
+            unit.split('/')
+                .map(|part| part.replace("kg", "kg·m²").replace('N', "N·m").replace("m²", "rad²"))
+                .enumerate()
+                .map(|(i, part)| if i > 0 && part == "m" { "rad".into() } else { part })
+                .collect::<Vec<_>>()
+                .join("/")
+        } else {
+            unit.to_string()
+        }
+    }
+
+    fn plant(&self, found: &Hypothesis) -> Plant {
+        let c = &found.fit.coefficients;
+        let mut plant =
+            Plant { mass: c[0], coulomb: [c[1], c[2]], viscous: [c[3], c[4]], ..Plant::default() };
+        plant.sensors = self.stage.tracks.iter().map(|t| vec![0.0; t.len()]).collect();
+        for (i, atom) in found.atoms.iter().enumerate() {
+            let gains = atom.gains(found.coefficients(&self.stage, i));
+            match atom.term.kind {
+                TermKind::Force(kind) => plant.effects.push((kind, gains, atom.term.shape)),
+                TermKind::Sensor(sensor) => {
+                    for (track, sum) in self.stage.tracks.iter().zip(&mut plant.sensors) {
+                        for (column, gain) in (sensor.columns)(track, &atom.term.shape).iter().zip(gains) {
+                            for (s, x) in sum.iter_mut().zip(column) {
+                                *s += gain * x;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        plant
+    }
+
+    /// A series of the first track at the times of the rows; NaN for later tracks.
+    fn at_rows(&self, series: &[f64]) -> Vec<f64> {
+        let Some(first) = self.stage.tracks.first() else { return Vec::new() };
+        let mut out: Vec<f64> = (0..first.row_count())
+            .map(|r| {
+                let rows = r * first.stride..(r + 1) * first.stride;
+                series[rows.clone()].iter().sum::<f64>() / rows.len() as f64
+            })
+            .collect();
+        out.resize(self.stage.weight.len(), f64::NAN);
+        out
+    }
+
+    /// Other recordings, with structure and parameters frozen.
+    fn validate(&self, judged: &Intake, found: &Hypothesis) -> Vec<Validation> {
+        let mut out = Vec::new();
+        for (index, name) in judged.names.iter().enumerate() {
+            let stretches: Vec<Channels> =
+                judged.stretches.iter().filter(|s| s.recording == index).cloned().collect();
+            let Some(mut stage) = Stage::new(&stretches, self.cutoff) else { continue };
+            if stage.baseline.len() < BASELINE.len() {
+                continue;
+            }
+            stage.model_force(&self.baseline.fit.coefficients);
+            let rows: f64 = stage.block_weight().iter().sum();
+            let error = |hypothesis: &Hypothesis| {
+                let mut rest = stage.y.clone();
+                let mut take = |column: &[f64], c: f64| {
+                    for (r, x) in rest.iter_mut().zip(column) {
+                        *r -= c * x;
+                    }
+                };
+                for (column, c) in stage.baseline.iter().zip(&hypothesis.fit.coefficients) {
+                    take(column, *c);
+                }
+                for (i, atom) in hypothesis.atoms.iter().enumerate() {
+                    let columns = stage.columns(&atom.term);
+                    for (a, c) in atom.active.iter().zip(hypothesis.coefficients(&self.stage, i)) {
+                        if let Some(column) = columns.get(*a) {
+                            take(column, *c);
+                        }
+                    }
+                }
+                dot(&rest, &rest)
+            };
+            let (before, after) = (error(&self.baseline), error(found));
+            let size = dot(&stage.y, &stage.y).max(1e-300);
+            out.push(Validation {
+                recording: name.clone(),
+                rms_before: (before / rows).sqrt(),
+                rms_after: (after / rows).sqrt(),
+                relative_before: (before / size).sqrt(),
+                relative_after: (after / size).sqrt(),
+                refitted: Vec::new(),
+            });
+        }
+        out
+    }
+
+    fn model(&self, found: &Hypothesis) -> identify::Model {
+        crate::export::model(&self.intake, &self.stage, found)
+    }
+}
+
+fn gain(m: &Missing) -> f64 {
+    m.rms_heldout_before - m.rms_heldout_after
+}
+
+/// Root-mean-square force above which most effects would have been seen: the median of the bounds.
+fn detectable(rejected: &[crate::result::Rejected]) -> f64 {
+    let mut bounds: Vec<f64> = rejected.iter().map(|r| r.upper_bound).filter(|b| b.is_finite()).collect();
+    bounds.sort_by(f64::total_cmp);
+    bounds.get(bounds.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn untestable(intake: Intake, unit: &str, because: &str) -> Diagnosis {
+    let noise = intake.stretches.first().map_or(Noise::default(), |s| crate::track::derived_noise(s, 1.0));
+    let mut diagnosis = Diagnosis {
+        schema: SCHEMA,
+        verdict: Verdict::NotTestable,
+        summary: format!("This recording cannot answer: {because}."),
+        recording_faults: intake.faults,
+        noise_floor: NoiseFloor { rms: noise.force, unit: unit.into(), how: "local differences".into() },
+        baseline: Baseline { law: "karnopp".into(), parameters: BTreeMap::new(), rms_heldout: f64::NAN },
+        location: Vec::new(),
+        missing: Vec::new(),
+        blind_to: Vec::new(),
+        rejected: Vec::new(),
+        after: After {
+            rms_heldout: f64::NAN,
+            free_run_error: None,
+            explained_share: 0.0,
+            parameters: BTreeMap::new(),
+        },
+        remainder: Remainder { rms: f64::NAN, located_at: Vec::new() },
+        detectable: f64::NAN,
+        cutoff_hz: f64::NAN,
+        validation: Vec::new(),
+        model: None,
+        figures: Figures::default(),
+    };
+    if let Some(fault) = diagnosis.recording_faults.first() {
+        diagnosis.summary.push_str(&format!(" The audit says: {}", fault.why));
+    }
+    diagnosis
+}

@@ -1,0 +1,173 @@
+//! From recordings to gap-free stretches: what the audit found is repaired where that is safe, and said.
+
+use crate::options::Error;
+use crate::signal::{LowPass, derivative};
+use crate::track::{Channels, dominant_frequency};
+use identify::{Geometry, Recording, RecordingFault, audit};
+
+/// What came in.
+#[derive(Debug, Clone)]
+pub struct Intake {
+    /// Gap-free stretches at a constant rate.
+    pub stretches: Vec<Channels>,
+    /// What the audit said, of all recordings.
+    pub faults: Vec<RecordingFault>,
+    /// Names of the recordings.
+    pub names: Vec<String>,
+    /// Axes rather than slides.
+    pub rotary: bool,
+}
+
+/// Shortest stretch worth keeping, samples.
+const SHORTEST: usize = 64;
+
+/// Audits the recordings and cuts them at gaps and at samples that are not numbers.
+pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
+    let first = recordings.first().ok_or(Error::NoRecording)?;
+    let rotary = first.geometry == Geometry::Rotary;
+    let mut intake = Intake { stretches: Vec::new(), faults: Vec::new(), names: Vec::new(), rotary };
+    for (index, recording) in recordings.iter().enumerate() {
+        if recording.geometry != first.geometry {
+            return Err(Error::MixedGeometry { name: recording.name.clone() });
+        }
+        check_lengths(recording)?;
+        intake.names.push(recording.name.clone());
+        intake.faults.extend(audit(recording).faults);
+        for mut stretch in cut(recording, index) {
+            keep_trustworthy(&mut stretch);
+            intake.stretches.push(stretch);
+        }
+    }
+    Ok(intake)
+}
+
+fn check_lengths(r: &Recording) -> Result<(), Error> {
+    let expected = r.time.len();
+    let optional = [
+        ("velocity", &r.velocity),
+        ("acceleration", &r.acceleration),
+        ("normal force", &r.normal_force),
+        ("reference", &r.reference),
+    ];
+    let required = [("position", Some(&r.position)), ("force", Some(&r.force))];
+    for (channel, series) in required.into_iter().chain(optional.into_iter().map(|(n, s)| (n, s.as_ref()))) {
+        if let Some(series) = series
+            && series.len() != expected
+        {
+            return Err(Error::Length { name: r.name.clone(), channel, found: series.len(), expected });
+        }
+    }
+    Ok(())
+}
+
+/// Stretches without a gap, a step backward in time or a value that is not a number.
+fn cut(r: &Recording, index: usize) -> Vec<Channels> {
+    let mut steps: Vec<f64> =
+        r.time.windows(2).map(|w| w[1] - w[0]).filter(|d| d.is_finite() && *d > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let Some(&dt) = steps.get(steps.len() / 2) else { return Vec::new() };
+    let good = |i: usize| {
+        let optional = [&r.velocity, &r.acceleration, &r.normal_force];
+        r.time[i].is_finite()
+            && r.position[i].is_finite()
+            && r.force[i].is_finite()
+            && optional.iter().all(|s| s.as_ref().is_none_or(|s| s[i].is_finite()))
+    };
+    let mut out = Vec::new();
+    let mut start = 0;
+    let mut close = |from: usize, to: usize| {
+        if to - from >= SHORTEST {
+            out.push(uniform(r, index, from, to));
+        }
+    };
+    for i in 0..r.time.len() {
+        let breaks = !good(i) || i > start && {
+            let step = r.time[i] - r.time[i - 1];
+            !(step > 0.05 * dt && step < 1.6 * dt)
+        };
+        if breaks {
+            close(start, i);
+            start = if good(i) { i } else { i + 1 };
+        }
+    }
+    if start < r.time.len() {
+        close(start, r.time.len());
+    }
+    out
+}
+
+/// One stretch on an even grid; a clock that wanders within its steps is interpolated.
+fn uniform(r: &Recording, recording: usize, from: usize, to: usize) -> Channels {
+    let time = &r.time[from..to];
+    let n = time.len();
+    let dt = (time[n - 1] - time[0]) / (n - 1) as f64;
+    let even = time.iter().enumerate().all(|(i, t)| (t - time[0] - i as f64 * dt).abs() < 0.02 * dt);
+    let grid = |series: &[f64]| -> Vec<f64> {
+        let series = &series[from..to];
+        if even {
+            return series.to_vec();
+        }
+        let mut low = 0;
+        (0..n)
+            .map(|i| {
+                let t = time[0] + i as f64 * dt;
+                while low + 2 < n && time[low + 1] < t {
+                    low += 1;
+                }
+                let share = ((t - time[low]) / (time[low + 1] - time[low])).clamp(0.0, 1.0);
+                series[low] * (1.0 - share) + series[low + 1] * share
+            })
+            .collect()
+    };
+    Channels {
+        recording,
+        dt,
+        start: time[0],
+        position: grid(&r.position),
+        velocity: r.velocity.as_deref().map(grid),
+        acceleration: r.acceleration.as_deref().map(grid),
+        force: grid(&r.force),
+        normal: r.normal_force.as_deref().map(grid),
+        reference: r.reference.as_deref().filter(|s| s.iter().all(|x| x.is_finite())).map(grid),
+    }
+}
+
+/// Leaves out a velocity channel that is not the derivative of the position, and scales and offsets an
+/// accelerometer so that it agrees with it (thesis, 3.5).
+fn keep_trustworthy(c: &mut Channels) {
+    let cutoff = (4.0 * dominant_frequency(c)).clamp(1e-3 / c.dt, 0.1 / c.dt);
+    let filter = LowPass::new(cutoff, c.dt);
+    let velocity = derivative(&filter.apply(&c.position), c.dt);
+    let settle = filter.settle().min(c.position.len() / 4);
+    let inner = settle..c.position.len() - settle;
+    let line = |x: &[f64], y: &[f64]| -> Option<(f64, f64, f64)> {
+        let n = x.len() as f64;
+        let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for (x, y) in x.iter().zip(y) {
+            xx += (x - mx) * (x - mx);
+            xy += (x - mx) * (y - my);
+            yy += (y - my) * (y - my);
+        }
+        let slope = xy / xx;
+        (xx > 0.0 && yy > 0.0).then(|| (slope, my - slope * mx, xy * xy / (xx * yy)))
+    };
+    if let Some(column) = &c.velocity {
+        let filtered = filter.apply(column);
+        let agrees = line(&filtered[inner.clone()], &velocity[inner.clone()])
+            .is_some_and(|(slope, _, r2)| (slope - 1.0).abs() < 0.02 && r2 > 0.995);
+        if !agrees {
+            c.velocity = None;
+        }
+    }
+    if let Some(column) = &c.acceleration {
+        let acceleration = derivative(&velocity, c.dt);
+        let filtered = filter.apply(column);
+        match line(&filtered[inner.clone()], &acceleration[inner]) {
+            Some((slope, offset, r2)) if r2 > 0.9 && slope > 0.2 && slope < 5.0 => {
+                c.acceleration = Some(column.iter().map(|a| slope * a + offset).collect());
+            }
+            _ => c.acceleration = None,
+        }
+    }
+}

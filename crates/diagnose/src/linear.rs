@@ -1,0 +1,224 @@
+//! Least squares over few columns and many rows: bases, blocked cross-validation, robust deviations.
+
+use nalgebra::{DMatrix, DVector};
+use std::borrow::Borrow;
+
+/// Inner product.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// An orthonormal basis of the columns pushed so far.
+#[derive(Debug, Clone, Default)]
+pub struct Basis {
+    columns: Vec<Vec<f64>>,
+}
+
+impl Basis {
+    /// A basis of `columns`; those that depend on earlier ones are left out.
+    pub fn of<C: Borrow<[f64]>>(columns: &[C]) -> Self {
+        let mut basis = Self::default();
+        for column in columns {
+            basis.push(column.borrow());
+        }
+        basis
+    }
+
+    /// Adds the direction of `column`; false when it is already in the span.
+    pub fn push(&mut self, column: &[f64]) -> bool {
+        let size = dot(column, column).sqrt();
+        let mut rest = self.project_out(column);
+        let left = dot(&rest, &rest).sqrt();
+        if !left.is_finite() || left <= 1e-7 * size || left == 0.0 {
+            return false;
+        }
+        for x in &mut rest {
+            *x /= left;
+        }
+        self.columns.push(rest);
+        true
+    }
+
+    /// What is left of `column` outside the span; projected twice against rounding.
+    pub fn project_out(&self, column: &[f64]) -> Vec<f64> {
+        let mut rest = column.to_vec();
+        for _ in 0..2 {
+            for q in &self.columns {
+                let along = dot(q, &rest);
+                for (r, q) in rest.iter_mut().zip(q) {
+                    *r -= along * q;
+                }
+            }
+        }
+        rest
+    }
+
+    /// Squared length of the part of `column` inside the span.
+    pub fn captured(&self, column: &[f64]) -> f64 {
+        self.columns.iter().map(|q| dot(q, column).powi(2)).sum()
+    }
+
+    /// Number of independent directions.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+}
+
+/// Rows that belong together: the unit of resampling and of cross-validation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Blocks {
+    /// First row of each block, and the end of the last.
+    pub edges: Vec<usize>,
+    /// True where a block starts another recording or segment.
+    pub starts: Vec<bool>,
+}
+
+impl Blocks {
+    /// Number of blocks.
+    pub fn len(&self) -> usize {
+        self.edges.len().saturating_sub(1)
+    }
+
+    /// Rows of block `k`.
+    pub fn rows(&self, k: usize) -> std::ops::Range<usize> {
+        self.edges[k]..self.edges[k + 1]
+    }
+}
+
+/// Normal equations of one block.
+struct Normal {
+    gram: DMatrix<f64>,
+    moment: DVector<f64>,
+}
+
+/// A least-squares fit and how it does on blocks it has not seen.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// Coefficients over all rows.
+    pub coefficients: Vec<f64>,
+    /// Cluster-robust standard deviations (blocks as clusters).
+    pub deviations: Vec<f64>,
+    /// Residual over all rows.
+    pub residual: Vec<f64>,
+    /// Squared error of each block, predicted by a fit without it and its neighbours.
+    pub heldout: Vec<f64>,
+    /// Prediction of each row by the fit that did not see its block.
+    pub heldout_prediction: Vec<f64>,
+}
+
+impl Fit {
+    /// Held-out squared error.
+    pub fn heldout_sum(&self) -> f64 {
+        self.heldout.iter().sum()
+    }
+}
+
+fn normal<C: Borrow<[f64]>>(columns: &[C], y: &[f64], rows: std::ops::Range<usize>) -> Normal {
+    let p = columns.len();
+    let mut gram = DMatrix::zeros(p, p);
+    let mut moment = DVector::zeros(p);
+    for i in 0..p {
+        let a = &columns[i].borrow()[rows.clone()];
+        moment[i] = dot(a, &y[rows.clone()]);
+        for j in 0..=i {
+            let g = dot(a, &columns[j].borrow()[rows.clone()]);
+            gram[(i, j)] = g;
+            gram[(j, i)] = g;
+        }
+    }
+    Normal { gram, moment }
+}
+
+/// Inverse of a Gram matrix, scaled to unit diagonal first; None when it is singular.
+fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let p = gram.nrows();
+    let scale: Vec<f64> =
+        (0..p).map(|i| if gram[(i, i)] > 0.0 { gram[(i, i)].sqrt().recip() } else { 0.0 }).collect();
+    if scale.iter().any(|s| *s == 0.0 || !s.is_finite()) {
+        return None;
+    }
+    let unit = DMatrix::from_fn(p, p, |i, j| gram[(i, j)] * scale[i] * scale[j] + if i == j { 1e-11 } else { 0.0 });
+    let inverse = unit.cholesky()?.inverse();
+    Some(DMatrix::from_fn(p, p, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
+}
+
+/// Fits `y` by `columns` and cross-validates over groups of contiguous blocks; a block on either side of a
+/// held-out group is a guard and is not used for its fit. None when the columns are dependent.
+pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: usize) -> Option<Fit> {
+    let p = columns.len();
+    let k = blocks.len();
+    if p == 0 || k < 4 {
+        return None;
+    }
+    let normals: Vec<Normal> = (0..k).map(|b| normal(columns, y, blocks.rows(b))).collect();
+    let mut gram = DMatrix::zeros(p, p);
+    let mut moment = DVector::zeros(p);
+    for n in &normals {
+        gram += &n.gram;
+        moment += &n.moment;
+    }
+    let cover = inverse(&gram)?;
+    let solution = &cover * &moment;
+    let mut residual = y.to_vec();
+    for (c, column) in solution.iter().zip(columns) {
+        for (r, x) in residual.iter_mut().zip(column.borrow()) {
+            *r -= c * x;
+        }
+    }
+    let mut meat = DMatrix::zeros(p, p);
+    for (b, n) in normals.iter().enumerate() {
+        let _ = b;
+        let score = &n.moment - &n.gram * &solution;
+        meat += &score * score.transpose();
+    }
+    meat *= k as f64 / (k as f64 - 1.0);
+    let sandwich = &cover * meat * &cover;
+    let deviations = (0..p).map(|i| sandwich[(i, i)].max(0.0).sqrt()).collect();
+
+    let folds = folds.clamp(2, k);
+    let mut heldout = vec![0.0; k];
+    let mut heldout_prediction = vec![0.0; y.len()];
+    for fold in 0..folds {
+        let (low, high) = (fold * k / folds, (fold + 1) * k / folds);
+        if low == high {
+            continue;
+        }
+        let guard_low = if low > 0 && !blocks.starts[low] { low - 1 } else { low };
+        let guard_high = if high < k && !blocks.starts[high] { high + 1 } else { high };
+        let mut g = gram.clone();
+        let mut m = moment.clone();
+        for n in &normals[guard_low..guard_high] {
+            g -= &n.gram;
+            m -= &n.moment;
+        }
+        // A fold without which the fit is not determined is predicted by nothing rather than by itself.
+        let beta = inverse(&g).map_or_else(|| DVector::zeros(p), |c| c * m);
+        for (b, error) in heldout.iter_mut().enumerate().take(high).skip(low) {
+            for row in blocks.rows(b) {
+                let prediction: f64 = beta.iter().zip(columns).map(|(c, x)| c * x.borrow()[row]).sum();
+                heldout_prediction[row] = prediction;
+                *error += (y[row] - prediction).powi(2);
+            }
+        }
+    }
+    Some(Fit { coefficients: solution.iter().copied().collect(), deviations, residual, heldout, heldout_prediction })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recovers_coefficients_and_leaves_dependent_columns_out() {
+        let a: Vec<f64> = (0..400).map(|i| (i as f64 * 0.1).sin()).collect();
+        let b: Vec<f64> = (0..400).map(|i| (i as f64 * 0.037).cos()).collect();
+        let y: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 2.0 * a - 3.0 * b).collect();
+        let blocks = Blocks { edges: (0..=20).map(|i| i * 20).collect(), starts: vec![false; 20] };
+        let fit = fit(&[&a[..], &b[..]], &y, &blocks, 10).unwrap();
+        assert!((fit.coefficients[0] - 2.0).abs() < 1e-9 && (fit.coefficients[1] + 3.0).abs() < 1e-9);
+        assert!(fit.heldout_sum() < 1e-12);
+        let basis = Basis::of(&[&a[..], &b[..], &y[..]]);
+        assert_eq!(basis.len(), 2);
+        assert!(super::fit(&[&a[..], &vec![0.0; 400][..]], &y, &blocks, 10).is_none());
+    }
+}

@@ -1,0 +1,332 @@
+//! Where the model goes wrong: the conditional mean of the residual over every coordinate a mechanism could
+//! depend on, with bands that hold for all bins of all coordinates at once.
+
+use crate::flips::{Family, block_scores, family};
+use crate::linear::{Basis, dot};
+use crate::result::{Bin, Curve, Location};
+use crate::signal::{derivative, quantile};
+use crate::term::Stage;
+use crate::track::Track;
+
+/// Bins over one coordinate.
+const BINS: usize = 24;
+
+/// A coordinate of the plane in which the residual may show a pattern.
+struct Coordinate {
+    name: &'static str,
+    unit: &'static str,
+    subset: &'static str,
+    values: Vec<f64>,
+    /// Bins even in the logarithm: for distances and times since an event.
+    logarithmic: bool,
+}
+
+/// One coordinate's bins and what was found in them.
+struct Cut {
+    coordinate: usize,
+    edges: Vec<f64>,
+    /// Rows of each bin.
+    members: Vec<Vec<usize>>,
+    /// Index of each bin's test in the family, where it was tested.
+    tests: Vec<Option<usize>>,
+}
+
+/// Everything the location step found.
+#[derive(Debug, Clone, Default)]
+pub struct Located {
+    /// Regions outside the band, most telling first.
+    pub regions: Vec<Location>,
+    /// Conditional means, most telling first.
+    pub curves: Vec<Curve>,
+    /// Smallest family-wise p over all bins of all coordinates.
+    pub p: f64,
+    /// Coordinate values by row and its bins, for describing what no law fits: name, unit, values, edges.
+    pub tables: Vec<(String, String, Vec<f64>, Vec<f64>)>,
+}
+
+/// Mean over the used samples of each row of a series.
+fn row_means(stage: &Stage, of: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
+    let mut out = Vec::with_capacity(stage.weight.len());
+    for track in &stage.tracks {
+        let series = of(track);
+        for r in 0..track.row_count() {
+            let rows = r * track.stride..(r + 1) * track.stride;
+            let (sum, weight) =
+                rows.fold((0.0, 0.0), |(s, w), i| (s + series[i] * track.mask[i], w + track.mask[i]));
+            out.push(if weight > 0.0 { sum / weight } else { f64::NAN });
+        }
+    }
+    out
+}
+
+/// Time of each row, s.
+pub fn row_times(stage: &Stage) -> Vec<f64> {
+    let mut out = Vec::with_capacity(stage.weight.len());
+    for track in &stage.tracks {
+        for r in 0..track.row_count() {
+            out.push(track.time(r * track.stride) + 0.5 * (track.stride - 1) as f64 * track.raw.dt);
+        }
+    }
+    out
+}
+
+/// Position and velocity of each row.
+pub fn row_motion(stage: &Stage) -> (Vec<f64>, Vec<f64>) {
+    (row_means(stage, |t| t.x.clone()), row_means(stage, |t| t.v.clone()))
+}
+
+fn coordinates(stage: &Stage, rotary: bool) -> Vec<Coordinate> {
+    let length = if rotary { "rad" } else { "m" };
+    let speed = if rotary { "rad/s" } else { "m/s" };
+    let acceleration = if rotary { "rad/s²" } else { "m/s²" };
+    let force = if rotary { "N·m" } else { "N" };
+    let force_rate = if rotary { "N·m/s" } else { "N/s" };
+    let make = |name, unit, values| Coordinate { name, unit, subset: "", values, logarithmic: false };
+    let position = row_means(stage, |t| t.x.clone());
+    let velocity = row_means(stage, |t| t.v.clone());
+    let direction = |want: f64| -> Vec<f64> {
+        position.iter().zip(&velocity).map(|(x, v)| if v * want > 0.0 { *x } else { f64::NAN }).collect()
+    };
+    let finite = |series: Vec<f64>| -> Vec<f64> {
+        series.into_iter().map(|x| if x.is_finite() { x } else { f64::NAN }).collect()
+    };
+    vec![
+        make("velocity", speed, velocity.clone()),
+        Coordinate {
+            logarithmic: true,
+            ..make("low_speed", speed, velocity.iter().map(|v| v.abs()).collect())
+        },
+        make("position", length, position.clone()),
+        Coordinate { subset: "moving forward", ..make("position_forward", length, direction(1.0)) },
+        Coordinate { subset: "moving backward", ..make("position_backward", length, direction(-1.0)) },
+        make("acceleration", acceleration, row_means(stage, |t| t.a.clone())),
+        Coordinate {
+            logarithmic: true,
+            ..make("distance_since_reversal", length, finite(row_means(stage, |t| t.distance.clone())))
+        },
+        Coordinate {
+            logarithmic: true,
+            ..make("time_since_reversal", "s", finite(row_means(stage, |t| t.since.clone())))
+        },
+        make("time", "s", row_times(stage)),
+        make("force", force, row_means(stage, |t| t.f.clone())),
+        make("jerk", force_rate, row_means(stage, |t| derivative(&t.f, t.raw.dt))),
+    ]
+}
+
+fn cut(index: usize, coordinate: &Coordinate, stage: &Stage) -> Option<Cut> {
+    let used: Vec<f64> = coordinate
+        .values
+        .iter()
+        .zip(&stage.share)
+        .filter(|(v, s)| v.is_finite() && **s > 0.5)
+        .map(|(v, _)| *v)
+        .collect();
+    if used.len() < 60 {
+        return None;
+    }
+    let (mut low, mut high) = (quantile(&used, 0.002), quantile(&used, 0.998));
+    if coordinate.logarithmic {
+        low = quantile(&used, 0.01).max(1e-4 * high).max(1e-300);
+        high = high.max(low * 1.0001);
+    }
+    if !(low < high) {
+        return None;
+    }
+    let edges: Vec<f64> = (0..=BINS)
+        .map(|i| {
+            let share = i as f64 / BINS as f64;
+            if coordinate.logarithmic { low * (high / low).powf(share) } else { low + (high - low) * share }
+        })
+        .collect();
+    let mut members = vec![Vec::new(); BINS];
+    for (row, v) in coordinate.values.iter().enumerate() {
+        if !v.is_finite() || stage.share[row] <= 0.5 {
+            continue;
+        }
+        let bin = edges.partition_point(|e| e <= v).saturating_sub(1).min(BINS - 1);
+        members[bin].push(row);
+    }
+    Some(Cut { coordinate: index, edges, members, tests: vec![None; BINS] })
+}
+
+/// Odd coordinates fold onto themselves when the residual's sign follows the direction of motion; this tells
+/// which sign a bin's residual is read with.
+fn signs(stage: &Stage, coordinate: &Coordinate) -> Vec<f64> {
+    let velocity = row_means(stage, |t| t.sign.clone());
+    match coordinate.name {
+        // Friction is odd: over |v| or x_r it would average out between the two directions.
+        "low_speed" | "distance_since_reversal" | "time_since_reversal" | "time" => {
+            velocity.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect()
+        }
+        _ => vec![1.0; velocity.len()],
+    }
+}
+
+/// Finds the regions of `residual`; `columns` are what was fitted, `noise` the residual taken as noise, and
+/// `after` the residual of the final model for the curves.
+pub fn locate(
+    stage: &Stage,
+    columns: &[&[f64]],
+    residual: &[f64],
+    noise: &[f64],
+    after: &[f64],
+    floor: f64,
+    rotary: bool,
+    seed: u64,
+) -> Located {
+    let basis = Basis::of(columns);
+    let spread = (dot(noise, noise) / noise.len().max(1) as f64).sqrt();
+    let all = coordinates(stage, rotary);
+    let mut cuts: Vec<Cut> = all.iter().enumerate().filter_map(|(i, c)| cut(i, c, stage)).collect();
+    let (mut observed, mut noises, mut scale) = (Vec::new(), Vec::new(), Vec::new());
+    for c in &mut cuts {
+        let sign = signs(stage, &all[c.coordinate]);
+        for (bin, rows) in c.members.iter().enumerate() {
+            if rows.len() < 6 {
+                continue;
+            }
+            let mut indicator = vec![0.0; residual.len()];
+            for &r in rows {
+                indicator[r] = stage.weight[r] * sign[r];
+            }
+            let rest = basis.project_out(&indicator);
+            let size = dot(&rest, &rest).sqrt();
+            if size < 0.1 * dot(&indicator, &indicator).sqrt() {
+                continue;
+            }
+            c.tests[bin] = Some(observed.len());
+            observed.push(block_scores(&rest, residual, &stage.blocks));
+            noises.push(block_scores(&rest, noise, &stage.blocks));
+            scale.push(size * spread);
+        }
+    }
+    let outcome = family(&observed, &noises, &scale, 999, seed);
+    let total = (dot(residual, residual) - floor).max(1e-300);
+    let mut located = Located { p: outcome.p.iter().copied().fold(1.0, f64::min), ..Located::default() };
+    let mut scored: Vec<(f64, Vec<Location>, Curve)> = Vec::new();
+    for c in &cuts {
+        let coordinate = &all[c.coordinate];
+        let sign = signs(stage, coordinate);
+        let bins = describe(stage, c, &sign, residual, after, &outcome, noise);
+        let (score, regions) = regions(stage, c, coordinate, residual, &sign, &outcome, floor, total);
+        let curve = Curve {
+            coordinate: coordinate.name.into(),
+            unit: coordinate.unit.into(),
+            subset: coordinate.subset.into(),
+            bins,
+        };
+        located.tables.push((
+            coordinate.name.into(),
+            coordinate.unit.into(),
+            coordinate.values.clone(),
+            c.edges.clone(),
+        ));
+        scored.push((score, regions, curve));
+    }
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (_, regions, curve) in scored {
+        located.regions.extend(regions);
+        located.curves.push(curve);
+    }
+    located
+}
+
+fn describe(
+    stage: &Stage,
+    cut: &Cut,
+    sign: &[f64],
+    before: &[f64],
+    after: &[f64],
+    outcome: &Family,
+    noise: &[f64],
+) -> Vec<Bin> {
+    cut.members
+        .iter()
+        .enumerate()
+        .filter(|(_, rows)| rows.len() >= 6)
+        .map(|(bin, rows)| {
+            let mean = |series: &[f64]| {
+                let (mut sum, mut weight) = (0.0, 0.0);
+                for &r in rows {
+                    sum += series[r] * stage.weight[r] * sign[r];
+                    weight += stage.weight[r] * stage.weight[r] * stage.share[r];
+                }
+                if weight > 0.0 { sum / weight } else { 0.0 }
+            };
+            let mut by_block = vec![0.0; stage.blocks.len()];
+            let mut weight = 0.0;
+            for &r in rows {
+                let block = stage.blocks.edges.partition_point(|e| *e <= r).saturating_sub(1);
+                if let Some(b) = by_block.get_mut(block) {
+                    *b += noise[r] * stage.weight[r];
+                }
+                weight += stage.weight[r] * stage.weight[r] * stage.share[r];
+            }
+            let deviation = dot(&by_block, &by_block).sqrt() / weight.max(1e-300);
+            Bin {
+                at: if cut.edges[0] > 0.0 && cut.edges[1] / cut.edges[0] > 1.05 {
+                    (cut.edges[bin] * cut.edges[bin + 1]).sqrt()
+                } else {
+                    0.5 * (cut.edges[bin] + cut.edges[bin + 1])
+                },
+                before: mean(before),
+                after: mean(after),
+                band: outcome.critical_95 * deviation,
+            }
+        })
+        .collect()
+}
+
+/// Stretches of neighbouring bins outside the band, and how much of the residual the coordinate organises.
+#[allow(clippy::too_many_arguments)]
+fn regions(
+    stage: &Stage,
+    cut: &Cut,
+    coordinate: &Coordinate,
+    residual: &[f64],
+    sign: &[f64],
+    outcome: &Family,
+    floor: f64,
+    total: f64,
+) -> (f64, Vec<Location>) {
+    let rows_all: f64 = stage.weight.iter().zip(&stage.share).map(|(w, s)| w * w * s).sum();
+    let significant = |bin: usize| cut.tests[bin].is_some_and(|t| outcome.p[t] <= 0.05);
+    let mut organised = 0.0;
+    let mut out = Vec::new();
+    let mut bin = 0;
+    while bin < cut.members.len() {
+        if !significant(bin) {
+            bin += 1;
+            continue;
+        }
+        let start = bin;
+        let (mut squared, mut weight, mut p) = (0.0, 0.0, 1f64);
+        while bin < cut.members.len() && significant(bin) {
+            let (mut sum, mut size) = (0.0, 0.0);
+            for &r in &cut.members[bin] {
+                sum += residual[r] * stage.weight[r] * sign[r];
+                size += stage.weight[r].powi(2) * stage.share[r];
+                squared += residual[r].powi(2);
+            }
+            weight += size;
+            if size > 0.0 {
+                organised += sum * sum / size;
+            }
+            p = p.min(cut.tests[bin].map_or(1.0, |t| outcome.p[t]));
+            bin += 1;
+        }
+        let share = ((squared - floor * weight / rows_all.max(1e-300)) / total).clamp(0.0, 1.0);
+        out.push(Location {
+            coordinate: coordinate.name.into(),
+            from: cut.edges[start],
+            to: cut.edges[bin],
+            unit: coordinate.unit.into(),
+            share_of_mismatch: share,
+            p,
+        });
+    }
+    out.sort_by(|a, b| b.share_of_mismatch.total_cmp(&a.share_of_mismatch));
+    out.truncate(3);
+    (organised / total, out)
+}

@@ -1,0 +1,100 @@
+//! What a caller may decide, and what can go wrong.
+
+use std::fmt;
+
+/// Choices of a diagnosis; the default is right for most recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Standard deviation of one raw force sample, N or N·m, where the user knows it.
+    pub declared_noise: Option<f64>,
+    /// Cut-off of the zero-phase filter, Hz; chosen from the channels' noise when absent.
+    pub cutoff_hz: Option<f64>,
+    /// Seed of every random draw: the same seed gives the same diagnosis.
+    pub seed: u64,
+    /// Most effects to name.
+    pub max_terms: usize,
+    /// Hypotheses carried along in the search.
+    pub beam_width: usize,
+    /// Effects not to be considered, by id.
+    pub exclude: Vec<String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { declared_noise: None, cutoff_hz: None, seed: 1, max_terms: 6, beam_width: 3, exclude: Vec::new() }
+    }
+}
+
+/// Why there is no diagnosis at all. A recording that cannot answer is not an error but the verdict
+/// `not_testable`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Error {
+    /// No recording was given.
+    NoRecording,
+    /// Recordings of a slide and of an axis cannot share parameters.
+    MixedGeometry {
+        /// Name of the first recording that differs.
+        name: String,
+    },
+    /// Channels of one recording have different lengths.
+    Length {
+        /// Name of the recording.
+        name: String,
+        /// Channel.
+        channel: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length of its time.
+        expected: usize,
+    },
+    /// An option outside what is accepted.
+    Option {
+        /// Name.
+        name: &'static str,
+        /// The value that was refused.
+        value: f64,
+        /// What is accepted.
+        accepted: &'static str,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRecording => write!(f, "no recording to diagnose: give at least one"),
+            Self::MixedGeometry { name } => {
+                write!(f, "{name}: linear and rotary recordings cannot be diagnosed together")
+            }
+            Self::Length { name, channel, found, expected } => {
+                write!(f, "{name}: {channel} has {found} samples, time has {expected}: they must agree")
+            }
+            Self::Option { name, value, accepted } => write!(f, "{name} = {value}: accepted {accepted}"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl Options {
+    /// Checks the options.
+    ///
+    /// # Errors
+    /// The first option outside its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let positive = |name, value: Option<f64>| match value {
+            Some(v) if !(v.is_finite() && v > 0.0) => {
+                Err(Error::Option { name, value: v, accepted: "a finite number above 0" })
+            }
+            _ => Ok(()),
+        };
+        positive("declared_noise", self.declared_noise)?;
+        positive("cutoff_hz", self.cutoff_hz)?;
+        if !(1..=8).contains(&self.max_terms) {
+            return Err(Error::Option { name: "max_terms", value: self.max_terms as f64, accepted: "1 to 8" });
+        }
+        if !(1..=8).contains(&self.beam_width) {
+            return Err(Error::Option { name: "beam_width", value: self.beam_width as f64, accepted: "1 to 8" });
+        }
+        Ok(())
+    }
+}

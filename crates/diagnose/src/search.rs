@@ -1,0 +1,455 @@
+//! Naming: a beam search over the catalogue with pair steps, each step tested against the best of a null
+//! catalogue and against a bootstrap of its held-out gain, then pruned backward.
+
+use crate::flips::{Family, block_scores, family, gain_interval};
+use crate::linear::{Basis, Fit, dot, fit};
+use crate::term::{Scales, Stage, Term, TermKind, gather};
+use friction::effects::MAX_SHAPE;
+
+/// Groups of blocks left out in turn.
+pub const FOLDS: usize = 10;
+/// Random signs drawn for a test, so that the smallest p value is 1/1000.
+pub const FLIPS: usize = 999;
+/// Family-wise level of a step.
+pub const LEVEL: f64 = 0.01;
+/// Smallest share of the mismatch above the floor for which a term is worth naming.
+const MATERIAL: f64 = 0.01;
+
+/// A term with its columns on the stage.
+#[derive(Debug, Clone)]
+pub struct Atom {
+    /// The hypothesis.
+    pub term: Term,
+    /// Columns that the baseline does not already contain.
+    pub columns: Vec<Vec<f64>>,
+    /// Which of the term's free gains they are.
+    pub active: Vec<usize>,
+    /// Share of the columns left outside the baseline, 0 = concealed on this motion.
+    pub visible: f64,
+    /// Share of what is left that is signal rather than sensor noise.
+    pub reliable: f64,
+}
+
+impl Atom {
+    /// Evaluates a term; `baseline` is a basis of the baseline's columns.
+    pub fn new(stage: &Stage, baseline: &Basis, term: Term) -> Self {
+        Self::of(stage.columns(&term), baseline, term)
+    }
+
+    /// The same from columns that are already there.
+    fn of(all: Vec<Vec<f64>>, baseline: &Basis, term: Term) -> Self {
+        let mut columns = Vec::new();
+        let mut active = Vec::new();
+        let mut visible: f64 = 0.0;
+        for (i, column) in all.into_iter().enumerate() {
+            let size = dot(&column, &column).sqrt();
+            let rest = baseline.project_out(&column);
+            let left = dot(&rest, &rest).sqrt();
+            if size > 0.0 && size.is_finite() && left.is_finite() {
+                visible = visible.max(left / size);
+                if left > 1e-3 * size {
+                    columns.push(column);
+                    active.push(i);
+                }
+            }
+        }
+        Self { term, columns, active, visible, reliable: 1.0 }
+    }
+
+    /// Whether gains lie in the range their effect accepts: a fit that ends outside is naming another effect.
+    fn physical(&self, coefficients: &[f64]) -> bool {
+        let gains = self.gains(coefficients);
+        self.term.kind.gains().iter().zip(gains).all(|(p, g)| g.is_finite() && g >= p.min && g <= p.max)
+    }
+
+    /// The effect's gains, spread over directions, from its coefficients in a fit.
+    pub fn gains(&self, coefficients: &[f64]) -> [f64; friction::effects::MAX_GAINS] {
+        let mut free = vec![0.0; self.term.free_gains().len()];
+        for (a, c) in self.active.iter().zip(coefficients) {
+            free[*a] = *c;
+        }
+        self.term.spread(&free)
+    }
+}
+
+/// The baseline with some terms.
+#[derive(Debug, Clone)]
+pub struct Hypothesis {
+    /// What was added.
+    pub atoms: Vec<Atom>,
+    /// The joint fit.
+    pub fit: Fit,
+}
+
+impl Hypothesis {
+    /// All columns: baseline first, then each atom's.
+    pub fn columns<'a>(stage: &'a Stage, atoms: &'a [Atom]) -> Vec<&'a [f64]> {
+        let own = atoms.iter().flat_map(|a| a.columns.iter());
+        stage.baseline.iter().chain(own).map(Vec::as_slice).collect()
+    }
+
+    /// Fits the baseline and `atoms` jointly.
+    pub fn new(stage: &Stage, atoms: Vec<Atom>) -> Option<Self> {
+        let fit = fit(&Self::columns(stage, &atoms), &stage.y, &stage.blocks, FOLDS)?;
+        Some(Self { atoms, fit })
+    }
+
+    /// First coefficient of atom `i`.
+    pub fn offset(&self, stage: &Stage, i: usize) -> usize {
+        stage.baseline.len() + self.atoms[..i].iter().map(|a| a.columns.len()).sum::<usize>()
+    }
+
+    /// Coefficients of atom `i`.
+    pub fn coefficients(&self, stage: &Stage, i: usize) -> &[f64] {
+        let from = self.offset(stage, i);
+        &self.fit.coefficients[from..from + self.atoms[i].columns.len()]
+    }
+
+    fn has(&self, kind: TermKind) -> bool {
+        self.atoms.iter().any(|a| a.term.kind == kind)
+    }
+}
+
+/// The catalogue evaluated on a stage.
+#[derive(Debug, Clone)]
+pub struct Catalogue {
+    /// Every effect at every shape of the grid.
+    pub atoms: Vec<Atom>,
+    /// Basis of the baseline.
+    pub baseline: Basis,
+}
+
+impl Catalogue {
+    /// Evaluates the catalogue over its grid; `noisy` is the same stage with one more draw of sensor noise.
+    pub fn new(stage: &Stage, noisy: &Stage, scales: &Scales, exclude: &[&str]) -> Self {
+        let baseline = Basis::of(&stage.baseline);
+        let mut terms = Vec::new();
+        for kind in TermKind::all() {
+            if !exclude.contains(&kind.id()) {
+                terms.extend(scales.grid(kind).into_iter().map(|shape| (kind, shape)));
+            }
+        }
+        let workers = std::thread::available_parallelism().map_or(1, usize::from).min(8);
+        let chunk = terms.len().div_ceil(workers).max(1);
+        let evaluate = |terms: &[(TermKind, [f64; MAX_SHAPE])]| -> Vec<Atom> {
+            let mut out = Vec::new();
+            for (kind, shape) in terms {
+                let (clean, other) = (stage.all_columns(*kind, shape), noisy.all_columns(*kind, shape));
+                for (variant, groups) in kind.variants().iter().enumerate() {
+                    let term = Term { kind: *kind, shape: *shape, variant };
+                    let mut atom = Atom::of(gather(&clean, groups), &baseline, term);
+                    atom.reliable = reliability(&gather(&other, groups), &baseline, &atom);
+                    out.push(atom);
+                }
+            }
+            out
+        };
+        let atoms = std::thread::scope(|scope| {
+            // Interleaved, so that no worker gets all the costly effects.
+            let mut parts: Vec<Vec<(TermKind, [f64; MAX_SHAPE])>> = vec![Vec::with_capacity(chunk); workers];
+            for (i, term) in terms.into_iter().enumerate() {
+                parts[i % workers].push(term);
+            }
+            let handles: Vec<_> = parts.into_iter().map(|part| scope.spawn(move || evaluate(&part))).collect();
+            handles.into_iter().flat_map(|h| h.join().unwrap_or_default()).collect::<Vec<_>>()
+        });
+        let mut atoms = atoms;
+        // The order must not depend on the number of workers: everything random downstream hangs on it.
+        let order = |a: &Atom| TermKind::all().iter().position(|k| *k == a.term.kind).unwrap_or(usize::MAX);
+        atoms.sort_by(|a, b| {
+            order(a)
+                .cmp(&order(b))
+                .then(a.term.shape[0].total_cmp(&b.term.shape[0]))
+                .then(a.term.shape[1].total_cmp(&b.term.shape[1]))
+                .then(a.term.variant.cmp(&b.term.variant))
+        });
+        Self { atoms, baseline }
+    }
+
+    /// Atoms that this recording can show: visible beside the baseline, and more signal than noise.
+    pub fn testable(&self) -> Vec<&Atom> {
+        self.atoms.iter().filter(|a| is_testable(a)).collect()
+    }
+}
+
+/// Whether an atom can be seen beside the baseline and above its own noise.
+pub fn is_testable(atom: &Atom) -> bool {
+    !atom.columns.is_empty() && atom.visible >= 0.1 && atom.reliable >= needed_reliability(atom.term.kind)
+}
+
+fn needed_reliability(kind: TermKind) -> f64 {
+    match kind {
+        // Their noise is the acceleration's own noise seen again: it correlates with the residual.
+        TermKind::Sensor(s) if ["compliance", "backlash", "encoder_eccentricity"].contains(&s.id) => 0.99,
+        _ => 0.7,
+    }
+}
+
+fn reliability(other: &[Vec<f64>], baseline: &Basis, atom: &Atom) -> f64 {
+    let (mut signal, mut noise) = (0.0, 0.0);
+    for (column, i) in atom.columns.iter().zip(&atom.active) {
+        let Some(other) = other.get(*i) else { continue };
+        let change: Vec<f64> = column.iter().zip(other).map(|(a, b)| a - b).collect();
+        let (rest, change) = (baseline.project_out(column), baseline.project_out(&change));
+        signal += dot(&rest, &rest);
+        noise += dot(&change, &change);
+    }
+    if signal > 0.0 { 1.0 - noise / signal } else { 0.0 }
+}
+
+/// Settings of the search.
+#[derive(Debug, Clone, Copy)]
+pub struct Search<'a> {
+    /// The regression.
+    pub stage: &'a Stage,
+    /// The catalogue on it.
+    pub catalogue: &'a Catalogue,
+    /// Scales for refining shapes.
+    pub scales: &'a Scales,
+    /// Squared error that noise alone leaves.
+    pub floor: f64,
+    /// Most terms.
+    pub max_terms: usize,
+    /// Hypotheses carried along.
+    pub width: usize,
+    /// Seed of every draw.
+    pub seed: u64,
+}
+
+impl Search<'_> {
+    /// The best hypothesis whose every term is significant, holds out of sample and is material.
+    pub fn run(&self, progress: &dyn Fn(f32, &str)) -> Option<(Hypothesis, Vec<f64>)> {
+        let baseline = Hypothesis::new(self.stage, Vec::new())?;
+        let start = baseline.fit.heldout_sum();
+        let mut best = baseline.clone();
+        let mut beam = vec![baseline];
+        while best.atoms.len() < self.max_terms {
+            progress(
+                0.3 + 0.5 * best.atoms.len() as f32 / self.max_terms as f32,
+                &format!("naming: {} found", best.atoms.len()),
+            );
+            let mut next: Vec<Hypothesis> = beam.iter().flat_map(|h| self.extend(h)).collect();
+            next.sort_by(|a, b| a.fit.heldout_sum().total_cmp(&b.fit.heldout_sum()));
+            let mut kept: Vec<Hypothesis> = Vec::new();
+            for h in next {
+                let kinds = kinds_of(&h);
+                if kept.len() < self.width && kept.iter().all(|k| kinds_of(k) != kinds) {
+                    kept.push(self.refine(h));
+                }
+            }
+            kept.sort_by(|a, b| a.fit.heldout_sum().total_cmp(&b.fit.heldout_sum()));
+            let Some(found) = kept.iter().find(|h| self.holds(&best, h, start)) else { break };
+            best = found.clone();
+            beam = kept;
+        }
+        Some(self.prune(best, start))
+    }
+
+    /// Residual of `parent` against every testable column, noise taken from `child`.
+    pub fn test(&self, parent: &Hypothesis, child: &Hypothesis, extra: &[Atom]) -> (Vec<Term>, Family) {
+        let basis = Basis::of(&Hypothesis::columns(self.stage, &parent.atoms));
+        let spread = (dot(&child.fit.residual, &child.fit.residual) / child.fit.residual.len().max(1) as f64).sqrt();
+        let (mut observed, mut noise, mut scale, mut terms) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for atom in self.catalogue.testable().into_iter().chain(extra) {
+            for column in &atom.columns {
+                let rest = basis.project_out(column);
+                let size = dot(&rest, &rest).sqrt();
+                if size <= 0.02 * dot(column, column).sqrt() {
+                    continue;
+                }
+                observed.push(block_scores(&rest, &parent.fit.residual, &self.stage.blocks));
+                noise.push(block_scores(&rest, &child.fit.residual, &self.stage.blocks));
+                scale.push(size * spread);
+                terms.push(atom.term);
+            }
+        }
+        (terms, family(&observed, &noise, &scale, FLIPS, self.seed))
+    }
+
+    /// Family-wise p of the best column of `atoms` against `parent`.
+    pub fn significance(&self, parent: &Hypothesis, child: &Hypothesis, atoms: &[Atom]) -> f64 {
+        let (terms, family) = self.test(parent, child, atoms);
+        terms
+            .iter()
+            .zip(&family.p)
+            .filter(|(t, _)| atoms.iter().any(|a| a.term == **t))
+            .map(|(_, p)| *p)
+            .fold(1.0, f64::min)
+    }
+
+    /// 95 % interval of the held-out gain from `parent` to `child`.
+    pub fn interval(&self, parent: &Hypothesis, child: &Hypothesis) -> [f64; 2] {
+        gain_interval(&parent.fit.heldout, &child.fit.heldout, &self.stage.block_weight(), 1000, self.seed ^ 0x9e37)
+    }
+
+    fn material(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
+        let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
+        gain > MATERIAL * (start - self.floor).max(0.02 * start)
+    }
+
+    fn holds(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
+        let new: Vec<Atom> =
+            child.atoms.iter().filter(|a| !parent.has(a.term.kind)).cloned().collect();
+        child.fit.heldout_sum() < parent.fit.heldout_sum()
+            && self.material(parent, child, start)
+            && self.interval(parent, child)[0] > 0.0
+            && (new.is_empty() || self.significance(parent, child, &new) <= LEVEL)
+    }
+
+    /// Drops terms that do not hold against the others, worst first; returns each survivor's p value.
+    fn prune(&self, mut best: Hypothesis, start: f64) -> (Hypothesis, Vec<f64>) {
+        loop {
+            let mut p = Vec::new();
+            let mut worst: Option<(f64, Hypothesis)> = None;
+            for i in 0..best.atoms.len() {
+                let mut atoms = best.atoms.clone();
+                let removed = atoms.remove(i);
+                let Some(without) = Hypothesis::new(self.stage, atoms) else {
+                    p.push(1.0);
+                    continue;
+                };
+                let value = self.significance(&without, &best, std::slice::from_ref(&removed));
+                p.push(value);
+                let stands = value <= LEVEL
+                    && self.interval(&without, &best)[0] > 0.0
+                    && self.material(&without, &best, start);
+                let gain = without.fit.heldout_sum() - best.fit.heldout_sum();
+                if !stands && worst.as_ref().is_none_or(|(g, _)| gain < *g) {
+                    worst = Some((gain, without));
+                }
+            }
+            match worst {
+                Some((_, without)) => best = self.refine(without),
+                None => return (best, p),
+            }
+        }
+    }
+
+    /// Extensions of a hypothesis by one term and by two.
+    fn extend(&self, from: &Hypothesis) -> Vec<Hypothesis> {
+        let basis = Basis::of(&Hypothesis::columns(self.stage, &from.atoms));
+        let residual = &from.fit.residual;
+        // The best shape of each effect, with and without shared directions.
+        let mut ranked: Vec<(f64, &Atom, Vec<Vec<f64>>)> = Vec::new();
+        for atom in self.catalogue.testable() {
+            if from.has(atom.term.kind) {
+                continue;
+            }
+            let rest: Vec<Vec<f64>> = atom.columns.iter().map(|c| basis.project_out(c)).collect();
+            let gain = captured(&Basis::of(&rest), residual);
+            let same = |other: &Atom| other.term.kind == atom.term.kind && other.term.variant == atom.term.variant;
+            match ranked.iter_mut().find(|(_, a, _)| same(a)) {
+                Some(entry) if entry.0 < gain => *entry = (gain, atom, rest),
+                Some(_) => {}
+                None => ranked.push((gain, atom, rest)),
+            }
+        }
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut trials: Vec<Vec<Atom>> = ranked.iter().take(14).map(|(_, a, _)| vec![(*a).clone()]).collect();
+        if from.atoms.len() + 2 <= self.max_terms {
+            let mut pairs = Vec::new();
+            for (i, (alone_a, a, rest_a)) in ranked.iter().enumerate().take(24) {
+                for (alone_b, b, rest_b) in ranked.iter().skip(i + 1).take(24) {
+                    if a.term.kind == b.term.kind {
+                        continue;
+                    }
+                    let both: Vec<&[f64]> = rest_a.iter().chain(rest_b).map(Vec::as_slice).collect();
+                    let gain = captured(&Basis::of(&both), residual);
+                    if gain > 1.05 * alone_a.max(*alone_b) {
+                        pairs.push((gain, vec![(*a).clone(), (*b).clone()]));
+                    }
+                }
+            }
+            pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+            trials.extend(pairs.into_iter().take(8).map(|(_, p)| p));
+        }
+        trials
+            .into_iter()
+            .filter_map(|new| {
+                let atoms = from.atoms.iter().cloned().chain(new).collect();
+                Hypothesis::new(self.stage, atoms)
+            })
+            .filter(|h| (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.stage, i))))
+            .collect()
+    }
+
+    /// Improves the shapes of every term in turn, the others held: variable projection on each coordinate.
+    pub fn refine(&self, hypothesis: Hypothesis) -> Hypothesis {
+        let mut best = hypothesis;
+        for i in 0..best.atoms.len() {
+            for axis in 0..best.atoms[i].term.kind.shape().len().min(MAX_SHAPE) {
+                let mut others = best.atoms.clone();
+                let atom = others.remove(i);
+                let basis = Basis::of(&Hypothesis::columns(self.stage, &others));
+                let target = basis.project_out(&self.stage.y);
+                let value = |at: f64| -> (f64, Atom) {
+                    let mut term = atom.term;
+                    term.shape[axis] = at;
+                    let mut trial = Atom::new(self.stage, &self.catalogue.baseline, term);
+                    trial.reliable = atom.reliable;
+                    let rest: Vec<Vec<f64>> = trial.columns.iter().map(|c| basis.project_out(c)).collect();
+                    (captured(&Basis::of(&rest), &target), trial)
+                };
+                let improved = self.golden(&atom, axis, value);
+                if let Some(improved) = improved {
+                    let mut atoms = others;
+                    atoms.insert(i, improved);
+                    if let Some(h) = Hypothesis::new(self.stage, atoms)
+                        && dot(&h.fit.residual, &h.fit.residual) < dot(&best.fit.residual, &best.fit.residual)
+                    {
+                        best = h;
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// Golden-section search around the present value, one grid step to either side.
+    fn golden(&self, atom: &Atom, axis: usize, value: impl Fn(f64) -> (f64, Atom)) -> Option<Atom> {
+        let parameter = &atom.term.kind.shape()[axis];
+        let (low, high, log) = self.scales.range(parameter);
+        let here = atom.term.shape[axis];
+        if !(low < high) || here <= 0.0 && log {
+            return None;
+        }
+        let to = |x: f64| if log { x.ln() } else { x };
+        let from = |x: f64| if log { x.exp() } else { x };
+        let step = if crate::term::is_wave(parameter.name) {
+            // Lines are narrow: half the grid's spacing in waves per stroke.
+            (0.25 * here / (self.scales.stroke.1 - self.scales.stroke.0)).min(0.3) * if log { 1.0 } else { here }
+        } else {
+            (to(high) - to(low)) / 9.0
+        };
+        let (mut a, mut b) = ((to(here) - step).max(to(low)), (to(here) + step).min(to(high)));
+        let ratio = 0.618_033_988_749_895;
+        let (mut c, mut d) = (b - ratio * (b - a), a + ratio * (b - a));
+        let (mut at_c, mut at_d) = (value(from(c)), value(from(d)));
+        for _ in 0..9 {
+            if at_c.0 > at_d.0 {
+                (b, d) = (d, c);
+                at_d = at_c;
+                c = b - ratio * (b - a);
+                at_c = value(from(c));
+            } else {
+                (a, c) = (c, d);
+                at_c = at_d;
+                d = a + ratio * (b - a);
+                at_d = value(from(d));
+            }
+        }
+        let found = if at_c.0 > at_d.0 { at_c } else { at_d };
+        (is_testable(&found.1)).then_some(found.1)
+    }
+}
+
+/// Squared length of the part of `residual` inside the span.
+fn captured(basis: &Basis, residual: &[f64]) -> f64 {
+    basis.captured(residual)
+}
+
+fn kinds_of(h: &Hypothesis) -> Vec<&'static str> {
+    let mut kinds: Vec<&str> = h.atoms.iter().map(|a| a.term.kind.id()).collect();
+    kinds.sort_unstable();
+    kinds
+}

@@ -1,0 +1,33 @@
+//! Nothing hidden: the answer has to be `no_mismatch`.
+
+mod plant;
+
+use diagnose::{Options, Verdict, diagnose};
+use plant::{Case, Motion, record};
+
+#[test]
+fn nothing_hidden_is_said_to_be_nothing() {
+    let mut quiet = 0;
+    let mut total = 0;
+    for (motion, noise_position, noise_force) in [
+        (Motion::Multisine, 1e-6, 0.062),
+        (Motion::Sine, 1e-6, 0.062),
+        (Motion::Triangle, 1e-6, 0.062),
+        (Motion::Chirp, 1e-5, 0.062),
+        (Motion::Multisine, 0.0, 0.01),
+    ] {
+        let mut here = 0;
+        for seed in 0..8 {
+            let case = Case { motion, noise_position, noise_force, seed, ..Case::default() };
+            let d = diagnose(&[record(&case).0], &[], &Options::default(), &|_, _| ()).unwrap();
+            let named: Vec<String> = d.missing.iter().map(|m| format!("{} {:.4}→{:.4} p {:.4}", m.effect, m.rms_heldout_before, m.rms_heldout_after, m.p)).collect();
+            println!("{motion:?} x {noise_position:.0e} F {noise_force}: fc {:.0} Hz, floor {:.4} ({}), rms {:.4}, free run {:?}, {:?} {}", d.cutoff_hz, d.noise_floor.rms, d.noise_floor.how, d.baseline.rms_heldout, d.after.free_run_error, d.verdict, named.join(", "));
+            here += usize::from(d.verdict == Verdict::NoMismatch);
+            total += 1;
+        }
+        quiet += here;
+        println!("{motion:?}: {here} of 8 no_mismatch");
+    }
+    println!("{quiet} of {total} no_mismatch");
+    assert!(quiet * 20 >= total * 19, "{quiet} of {total}");
+}

@@ -1,0 +1,72 @@
+//! Building the firmware from this workspace, with whichever toolchain has the target.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// The target of the firmware.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+const PACKAGE: &str = "tribos-firmware";
+/// A toolchain linked under this name is tried when the current one lacks the target (.ci/thumb-toolchain.sh).
+const FALLBACK: &str = "thumb";
+
+/// Why there is no image.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// Neither the current toolchain nor the fallback can build for the target.
+    #[error(
+        "no toolchain for {TARGET}: `rustup target add {TARGET}`, or link one as `{FALLBACK}` (.ci/thumb-toolchain.sh)"
+    )]
+    NoToolchain,
+    /// The build failed; cargo said why.
+    #[error("the firmware did not build (cargo's messages are above)")]
+    Failed,
+}
+
+/// Builds the firmware of the workspace at `root` in release, below `target`, and returns the path of the ELF.
+///
+/// The build directory is one of its own (`target/thumb`): the outer `cargo test` holds the lock of `target`.
+///
+/// # Errors
+/// When no toolchain has the target or the build fails.
+pub fn build(root: &Path, target: &Path) -> Result<PathBuf, BuildError> {
+    let toolchain = [None, Some(FALLBACK)].into_iter().find(|t| has_target(root, *t));
+    let toolchain = toolchain.ok_or(BuildError::NoToolchain)?;
+    let target = target.join("thumb");
+    let built = command(root, "cargo", toolchain)
+        .args(["build", "--release", "--target", TARGET, "--package", PACKAGE, "--bin", PACKAGE])
+        .env("CARGO_TARGET_DIR", &target)
+        .status()
+        .is_ok_and(|status| status.success());
+    if !built {
+        return Err(BuildError::Failed);
+    }
+    Ok(target.join(TARGET).join("release").join(PACKAGE))
+}
+
+/// A tool of a toolchain, without what the outer cargo put into the environment.
+fn command(root: &Path, tool: &str, toolchain: Option<&str>) -> Command {
+    let mut command = Command::new(tool);
+    command.current_dir(root).stdin(Stdio::null());
+    for (key, _) in std::env::vars_os() {
+        let name = key.to_string_lossy();
+        let of_cargo = name.starts_with("CARGO") && name != "CARGO_HOME" && name != "CARGO_BUILD_JOBS";
+        if of_cargo || name.starts_with("RUSTC") || name.starts_with("RUSTFLAGS") || name == "RUSTDOC" {
+            command.env_remove(&key);
+        }
+    }
+    if let Some(toolchain) = toolchain {
+        command.env("RUSTUP_TOOLCHAIN", toolchain);
+    }
+    command
+}
+
+fn has_target(root: &Path, toolchain: Option<&str>) -> bool {
+    let asked = command(root, "rustc", toolchain)
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .stderr(Stdio::null())
+        .output();
+    asked.is_ok_and(|output| {
+        let path = String::from_utf8_lossy(&output.stdout);
+        output.status.success() && std::fs::read_dir(path.trim()).is_ok_and(|mut files| files.next().is_some())
+    })
+}

@@ -1,0 +1,227 @@
+//! A conversation with a device: commands and their answers, frames and what they mean.
+
+use crate::failure::{Failure, Result};
+use crate::raw::{Calibration, Decoding, Point, Raw};
+use crate::transport::{Port, Transport, Virtual};
+use crate::wire::{Item, Wire};
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// How long a device may take to answer.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Silence after which an answer of several lines is complete.
+const PAUSE: Duration = Duration::from_millis(60);
+
+/// What the device says about its stream before the first sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Header {
+    /// Codes to SI.
+    pub calibration: Calibration,
+    /// Control periods per sample.
+    pub decimation: u32,
+    /// Control period, s.
+    pub period: f64,
+    /// Active preset.
+    pub preset: String,
+}
+
+impl Header {
+    /// Time between two samples, s.
+    #[must_use]
+    pub fn sample_period(&self) -> f64 {
+        self.period * f64::from(self.decimation)
+    }
+
+    /// One line for a person.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        format!("stream: {:.0} samples a second, preset {}", 1.0 / self.sample_period(), self.preset)
+    }
+
+    /// The calibration as lines for the head of a recording.
+    #[must_use]
+    pub fn notes(&self) -> Vec<(String, String)> {
+        let c = &self.calibration;
+        [
+            ("preset", self.preset.clone()),
+            ("sample_period_s", self.sample_period().to_string()),
+            ("tick_hz", c.tick_hz.to_string()),
+            ("metre_per_count", c.metre_per_count.to_string()),
+            ("newton_per_code", c.load_unit.to_string()),
+            ("metre_per_second_squared_per_code", c.accel_unit.to_string()),
+        ]
+        .map(|(key, value)| (key.to_owned(), value))
+        .to_vec()
+    }
+}
+
+/// One sample and the state of the device.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample {
+    /// In SI.
+    pub point: Point,
+    /// State code.
+    pub mode: u8,
+    /// Fault code, 0 for none.
+    pub fault: u8,
+}
+
+/// What arrives.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// A line of text.
+    Text(String),
+    /// A stream begins.
+    Header(Header),
+    /// A sample of it.
+    Sample(Sample),
+    /// So many samples are missing here.
+    Lost(u64),
+}
+
+#[cfg(test)]
+impl Event {
+    /// A sample at a point.
+    pub(crate) fn sample(point: Point) -> Self {
+        Self::Sample(Sample { point, ..Sample::default() })
+    }
+}
+
+/// An open line.
+pub struct Session {
+    name: String,
+    transport: Box<dyn Transport>,
+    wire: Wire,
+    decoding: Option<Decoding>,
+    bytes: Vec<u8>,
+    waiting: VecDeque<Event>,
+}
+
+impl Session {
+    /// Opens a port by name, or `sim` for a virtual device of its own.
+    ///
+    /// # Errors
+    /// The port cannot be opened.
+    pub fn open(port: &str, seed: u64) -> Result<Self> {
+        if port == "sim" {
+            Ok(Self::over(port, Box::new(Virtual::new(seed)?)))
+        } else {
+            Ok(Self::over(port, Box::new(Port::open(port)?)))
+        }
+    }
+
+    /// A conversation over any transport.
+    pub fn over(name: &str, transport: Box<dyn Transport>) -> Self {
+        Self {
+            name: name.to_owned(),
+            transport,
+            wire: Wire::default(),
+            decoding: None,
+            bytes: Vec::new(),
+            waiting: VecDeque::new(),
+        }
+    }
+
+    /// The port as the user named it.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// From now on a virtual device keeps the pace of the clock on the wall.
+    pub fn in_real_time(&mut self) {
+        self.transport.in_real_time();
+    }
+
+    /// Sends one command and does not wait for its answer.
+    ///
+    /// # Errors
+    /// The line is gone.
+    pub fn send_line(&mut self, line: &str) -> Result<()> {
+        self.transport.send(format!("{line}\n").as_bytes())
+    }
+
+    /// What has arrived; waits a few milliseconds.
+    ///
+    /// # Errors
+    /// The line is gone.
+    pub fn poll(&mut self) -> Result<Vec<Event>> {
+        let mut events: Vec<Event> = self.waiting.drain(..).collect();
+        events.extend(self.receive()?);
+        Ok(events)
+    }
+
+    fn receive(&mut self) -> Result<Vec<Event>> {
+        self.bytes.clear();
+        self.transport.receive(&mut self.bytes)?;
+        let mut events = Vec::new();
+        for item in self.wire.decode(&self.bytes) {
+            match item {
+                Item::Text(line) => events.push(Event::Text(line)),
+                Item::Header(header) => {
+                    self.decoding = Some(Decoding::new(header.calibration));
+                    events.push(Event::Header(header));
+                }
+                Item::Lost(samples) => events.push(Event::Lost(samples)),
+                Item::Sample(raw, mode, fault) => {
+                    // A sample whose header was missed cannot be read.
+                    let Some(decoding) = self.decoding.as_mut() else { continue };
+                    events.push(Event::Sample(Sample { point: decoding.sample(&raw), mode, fault }));
+                }
+            }
+        }
+        Ok(events)
+    }
+
+    /// Sends a command and returns its answer, the line that begins with `ok`.
+    ///
+    /// # Errors
+    /// The device answers `err …`, or not at all.
+    pub fn command(&mut self, line: &str) -> Result<String> {
+        self.send_line(line)?;
+        let asked = Instant::now();
+        loop {
+            for event in self.receive()? {
+                match event {
+                    Event::Text(text) if text.starts_with("ok") => return Ok(text),
+                    Event::Text(text) if text.starts_with("err") => {
+                        return Err(Failure::new(format!("{}: `{line}` was refused: {text}", self.name)));
+                    }
+                    other => self.waiting.push_back(other),
+                }
+            }
+            if asked.elapsed() > PATIENCE {
+                return Err(Failure::new(format!("{}: no answer to `{line}` within {} s", self.name, PATIENCE.as_secs()))
+                    .help("is it a tribos device, and does nobody else hold its line?"));
+            }
+        }
+    }
+
+    /// Sends a command and returns every line it is answered with.
+    ///
+    /// # Errors
+    /// The line is gone.
+    pub fn exchange(&mut self, line: &str) -> Result<Vec<String>> {
+        self.send_line(line)?;
+        let mut lines = Vec::new();
+        let asked = Instant::now();
+        let mut heard = Instant::now();
+        loop {
+            let mut any = false;
+            for event in self.receive()? {
+                if let Event::Text(text) = event {
+                    lines.push(text);
+                    any = true;
+                }
+            }
+            if any {
+                heard = Instant::now();
+            }
+            let done = lines.iter().any(|l| l.starts_with("ok") || l.starts_with("err"));
+            let pause = if self.transport.is_virtual() { Duration::ZERO } else { PAUSE };
+            if (done && !any && heard.elapsed() >= pause) || asked.elapsed() > PATIENCE {
+                return Ok(lines);
+            }
+        }
+    }
+}
