@@ -1,0 +1,265 @@
+//! One line of text into one command.
+
+use core::fmt;
+use haptics::{Excitation, Wave};
+
+/// What a person or a host asks of the device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Command<'a> {
+    /// `help`
+    Help,
+    /// `version`
+    Version,
+    /// `status`
+    Status,
+    /// `fault`
+    Fault,
+    /// `clear`
+    Clear,
+    /// `preset …`
+    Preset(PresetCommand<'a>),
+    /// `set PARAM VALUE`
+    Set {
+        /// Name of the parameter.
+        name: &'a str,
+        /// Text of the value.
+        value: &'a str,
+    },
+    /// `get [PARAM]`
+    Get(Option<&'a str>),
+    /// `render on|off`
+    Render(bool),
+    /// `move WAVE AMP FREQ [SECONDS]`
+    Move(Excitation),
+    /// `stop`
+    Stop,
+    /// `stream on [DECIMATION]`: control periods per frame; `stream off` is 0.
+    Stream(u32),
+    /// `identify`
+    Identify,
+    /// `selftest`
+    SelfTest,
+}
+
+/// `preset …`
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PresetCommand<'a> {
+    /// `preset list`
+    List,
+    /// `preset show NAME`
+    Show(&'a str),
+    /// `preset use NAME`
+    Use(&'a str),
+    /// `preset save NAME`
+    Save(&'a str),
+    /// `preset delete NAME`
+    Delete(&'a str),
+    /// `preset default NAME`
+    Default(&'a str),
+}
+
+/// A line that is no command; nothing has changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BadCommand<'a> {
+    /// The first word is none of the commands.
+    Unknown(&'a str),
+    /// A word is missing; the usage follows.
+    Missing(&'static str),
+    /// A word too many; the usage follows.
+    TooMany(&'a str, &'static str),
+    /// A word that is not one of those accepted.
+    NotOneOf(&'a str, &'static str),
+    /// Not a number of the kind accepted: what, text, accepted.
+    NotANumber(&'static str, &'a str, &'static str),
+}
+
+impl BadCommand<'_> {
+    /// Code of the `err` answer.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Unknown(_) => "UNKNOWN",
+            Self::NotANumber(..) => "VALUE",
+            _ => "SYNTAX",
+        }
+    }
+}
+
+impl fmt::Display for BadCommand<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(word) => write!(f, "no command `{word}`; `help` lists them"),
+            Self::Missing(usage) => write!(f, "a word is missing; accepted is `{usage}`"),
+            Self::TooMany(word, usage) => write!(f, "`{word}` is too many; accepted is `{usage}`"),
+            Self::NotOneOf(word, accepted) => write!(f, "`{word}`: accepted are {accepted}"),
+            Self::NotANumber(what, text, accepted) => write!(f, "{what} = `{text}`: accepted is {accepted}"),
+        }
+    }
+}
+
+impl core::error::Error for BadCommand<'_> {}
+
+/// The words of a line, taken one by one against a usage.
+struct Words<'a> {
+    rest: core::str::SplitWhitespace<'a>,
+    usage: &'static str,
+}
+
+impl<'a> Words<'a> {
+    fn next(&mut self) -> Result<&'a str, BadCommand<'a>> {
+        self.rest.next().ok_or(BadCommand::Missing(self.usage))
+    }
+
+    fn end(mut self) -> Result<(), BadCommand<'a>> {
+        self.rest.next().map_or(Ok(()), |word| Err(BadCommand::TooMany(word, self.usage)))
+    }
+}
+
+fn finite<'a>(what: &'static str, text: &'a str, accepted: &'static str) -> Result<f32, BadCommand<'a>> {
+    let number = text.parse::<f32>().ok().filter(|x| x.is_finite());
+    number.ok_or(BadCommand::NotANumber(what, text, accepted))
+}
+
+const DECIMATION: &str = "a whole number from 1 to 1000";
+
+impl<'a> Command<'a> {
+    /// Understands one line; `None` for an empty one.
+    ///
+    /// # Errors
+    /// [`BadCommand`], one line with what would be accepted.
+    pub fn parse(line: &'a str) -> Result<Option<Self>, BadCommand<'a>> {
+        let mut rest = line.split_whitespace();
+        let Some(word) = rest.next() else { return Ok(None) };
+        let mut words = Words { rest, usage: word_usage(word).ok_or(BadCommand::Unknown(word))? };
+        let command = match word {
+            "help" => Self::Help,
+            "version" => Self::Version,
+            "status" => Self::Status,
+            "fault" => Self::Fault,
+            "clear" => Self::Clear,
+            "stop" => Self::Stop,
+            "identify" => Self::Identify,
+            "selftest" => Self::SelfTest,
+            "preset" => Self::Preset(preset(&mut words)?),
+            "set" => Self::Set { name: words.next()?, value: words.next()? },
+            "get" => Self::Get(words.rest.next()),
+            "render" => Self::Render(on_off(words.next()?)?),
+            "move" => Self::Move(motion(&mut words)?),
+            "stream" => Self::Stream(stream(&mut words)?),
+            _ => return Err(BadCommand::Unknown(word)),
+        };
+        words.end()?;
+        Ok(Some(command))
+    }
+}
+
+/// How a command is used, by its first word.
+fn word_usage(word: &str) -> Option<&'static str> {
+    crate::HELP.iter().find(|line| line.word() == word).map(|line| line.usage)
+}
+
+fn preset<'a>(words: &mut Words<'a>) -> Result<PresetCommand<'a>, BadCommand<'a>> {
+    Ok(match words.next()? {
+        "list" => PresetCommand::List,
+        "show" => PresetCommand::Show(words.next()?),
+        "use" => PresetCommand::Use(words.next()?),
+        "save" => PresetCommand::Save(words.next()?),
+        "delete" => PresetCommand::Delete(words.next()?),
+        "default" => PresetCommand::Default(words.next()?),
+        word => return Err(BadCommand::NotOneOf(word, "list, show, use, save, delete, default")),
+    })
+}
+
+fn on_off(word: &str) -> Result<bool, BadCommand<'_>> {
+    match word {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(BadCommand::NotOneOf(word, "on, off")),
+    }
+}
+
+fn motion<'a>(words: &mut Words<'a>) -> Result<Excitation, BadCommand<'a>> {
+    let word = words.next()?;
+    let wave = Wave::from_id(word)
+        .ok_or(BadCommand::NotOneOf(word, "sine, multisine, chirp, triangle, dwell"))?;
+    let amplitude_m = finite("AMP", words.next()?, "a finite number of metres")?;
+    let frequency_hz = finite("FREQ", words.next()?, "a finite number of hertz")?;
+    let seconds = match words.rest.next() {
+        Some(text) => finite("SECONDS", text, "a finite number of seconds; without it until `stop`")?,
+        None => 0.0,
+    };
+    Ok(Excitation { wave, amplitude_m, frequency_hz, seconds })
+}
+
+fn stream<'a>(words: &mut Words<'a>) -> Result<u32, BadCommand<'a>> {
+    if !on_off(words.next()?)? {
+        return Ok(0);
+    }
+    let Some(text) = words.rest.next() else { return Ok(1) };
+    let number = text.parse::<u32>().ok().filter(|n| (1..=1000).contains(n));
+    number.ok_or(BadCommand::NotANumber("DECIMATION", text, DECIMATION))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn every_command_of_the_design_is_understood() {
+        let sine = Excitation { wave: Wave::Sine, amplitude_m: 0.01, frequency_hz: 2.0, seconds: 0.0 };
+        for (line, expected) in [
+            ("help", Command::Help),
+            ("version", Command::Version),
+            ("status", Command::Status),
+            (" fault \t", Command::Fault),
+            ("clear", Command::Clear),
+            ("preset list", Command::Preset(PresetCommand::List)),
+            ("preset show rubber", Command::Preset(PresetCommand::Show("rubber"))),
+            ("preset use rubber", Command::Preset(PresetCommand::Use("rubber"))),
+            ("preset save mine", Command::Preset(PresetCommand::Save("mine"))),
+            ("preset delete mine", Command::Preset(PresetCommand::Delete("mine"))),
+            ("preset default brass", Command::Preset(PresetCommand::Default("brass"))),
+            ("set f_static 2.5", Command::Set { name: "f_static", value: "2.5" }),
+            ("get", Command::Get(None)),
+            ("get dv", Command::Get(Some("dv"))),
+            ("render on", Command::Render(true)),
+            ("render off", Command::Render(false)),
+            ("move sine 0.01 2", Command::Move(sine)),
+            ("move sine 0.01 2 12", Command::Move(Excitation { seconds: 12.0, ..sine })),
+            ("stop", Command::Stop),
+            ("stream on", Command::Stream(1)),
+            ("stream on 10", Command::Stream(10)),
+            ("stream off", Command::Stream(0)),
+            ("identify", Command::Identify),
+            ("selftest", Command::SelfTest),
+        ] {
+            assert_eq!(Command::parse(line), Ok(Some(expected)), "{line}");
+        }
+        assert_eq!(Command::parse("   "), Ok(None));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_what_would_be_accepted() {
+        for (line, code, says) in [
+            ("rendre on", "UNKNOWN", "no command `rendre`; `help` lists them"),
+            ("render", "SYNTAX", "a word is missing; accepted is `render on|off`"),
+            ("render maybe", "SYNTAX", "`maybe`: accepted are on, off"),
+            ("stop now", "SYNTAX", "`now` is too many; accepted is `stop`"),
+            ("move sine 0.01 NaN", "VALUE", "FREQ = `NaN`: accepted is a finite number of hertz"),
+            ("move square 1 1", "SYNTAX", "`square`: accepted are sine, multisine, chirp, triangle, dwell"),
+            ("stream on 0", "VALUE", "DECIMATION = `0`: accepted is a whole number from 1 to 1000"),
+            ("set dv", "SYNTAX", "a word is missing; accepted is `set PARAM VALUE`"),
+        ] {
+            let bad = Command::parse(line).unwrap_err();
+            assert_eq!((bad.code(), bad.to_string().as_str()), (code, says), "{line}");
+        }
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_line_panics(line in ".{0,200}") {
+            let _ = Command::parse(&line).map_err(|bad| bad.to_string());
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Binary frames.
+//!
+//! ```text
+//! payload   0x00 │ format id │ postcard(seq u32, body) │ CRC-16/IBM-3740, low byte first
+//! wire      COBS(payload) 0x00          the leading zero makes the first wire byte 0x01
+//! ```
+//!
+//! Raw codes go on the wire, SI is made on the host with the calibration in the header.
+
+use crc::{CRC_16_IBM_3740, Crc};
+use heapless::{String, Vec};
+use serde::{Deserialize, Serialize};
+
+const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
+/// Longest payload, bytes.
+const MAX_PAYLOAD: usize = 120;
+/// Longest frame on the wire with its end, bytes.
+pub const MAX_WIRE: usize = MAX_PAYLOAD + 3;
+
+/// SI = (code − `offset_code`) · `unit_per_code`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Code of zero.
+    pub offset_code: f32,
+    /// SI units of one code.
+    pub unit_per_code: f32,
+}
+
+/// Sent when a stream begins: what the samples need to become SI.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Rate of the timer behind every time stamp, Hz.
+    pub tick_hz: u32,
+    /// Control period, ticks.
+    pub period_ticks: u32,
+    /// Handle travel of one count, m.
+    pub metre_per_count: f32,
+    /// Load cell, N.
+    pub load: Channel,
+    /// Accelerometer, m/s².
+    pub accel: Channel,
+    /// Control periods per sample.
+    pub decimation: u32,
+    /// Active preset.
+    pub preset: String<24>,
+}
+
+/// One control period.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Number of the control step; wraps.
+    pub step: u32,
+    /// When the sample was taken, ticks; wraps.
+    pub sample_ticks: u32,
+    /// Encoder count; wraps.
+    pub count: i32,
+    /// From the last encoder edge to the sample, ticks: the pulse interval that is still open.
+    pub edge_age: u32,
+    /// Load cell.
+    pub load_code: u16,
+    /// Accelerometer.
+    pub accel_code: u16,
+    /// Commanded force, N.
+    pub force: f32,
+    /// Reference of the excitation, m.
+    pub reference: f32,
+    /// [`haptics::ModeId`].
+    pub mode: u8,
+    /// [`haptics::FaultKind`], 0 for none.
+    pub fault: u8,
+    /// Samples that were ready but found no room on the line, since the stream began.
+    pub dropped: u32,
+}
+
+impl Sample {
+    /// Timer at the last encoder edge, ticks.
+    #[must_use]
+    pub fn edge_ticks(&self) -> u32 {
+        self.sample_ticks.wrapping_sub(self.edge_age)
+    }
+}
+
+/// What a frame carries.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant)] // no heap; one at a time
+pub enum Frame {
+    /// Format 1.
+    Header(Header),
+    /// Format 2.
+    Sample(Sample),
+}
+
+impl Frame {
+    /// Format id on the wire.
+    #[must_use]
+    pub fn format(&self) -> u8 {
+        match self {
+            Self::Header(_) => 1,
+            Self::Sample(_) => 2,
+        }
+    }
+}
+
+/// The frame as it goes over the line, with its end.
+///
+/// `None` never happens with the frames there are: the longest is shorter than [`MAX_WIRE`] (tested).
+#[must_use]
+pub fn encode(seq: u32, frame: &Frame) -> Option<Vec<u8, MAX_WIRE>> {
+    let mut payload = [0; MAX_PAYLOAD];
+    let (head, body) = payload.split_at_mut(2);
+    head.copy_from_slice(&[0, frame.format()]);
+    let used = match frame {
+        Frame::Header(header) => postcard::to_slice(&(seq, header), body),
+        Frame::Sample(sample) => postcard::to_slice(&(seq, sample), body),
+    }
+    .ok()?
+    .len();
+    let end = 2 + used;
+    let sum = CRC.checksum(payload.get(..end)?).to_le_bytes();
+    payload.get_mut(end..end + 2)?.copy_from_slice(&sum);
+    let mut wire = Vec::new();
+    wire.resize_default(MAX_WIRE).ok()?;
+    let length = cobs::try_encode(payload.get(..end + 2)?, &mut wire).ok()?;
+    wire.truncate(length);
+    wire.push(0).ok()?;
+    Some(wire)
+}
+
+/// Sequence number and frame of a payload (COBS already undone), or nothing if it is not whole.
+#[must_use]
+pub fn decode_payload(payload: &[u8]) -> Option<(u32, Frame)> {
+    let (body, sum) = payload.split_last_chunk::<2>()?;
+    if CRC.checksum(body) != u16::from_le_bytes(*sum) {
+        return None;
+    }
+    let [0, format, rest @ ..] = body else { return None };
+    // everything must be used up: a longer body is another format
+    match format {
+        1 => match postcard::take_from_bytes::<(u32, Header)>(rest).ok()? {
+            ((seq, header), []) => Some((seq, Frame::Header(header))),
+            _ => None,
+        },
+        2 => match postcard::take_from_bytes::<(u32, Sample)>(rest).ok()? {
+            ((seq, sample), []) => Some((seq, Frame::Sample(sample))),
+            _ => None,
+        },
+        _ => None,
+    }
+}
