@@ -1,0 +1,261 @@
+//! A complete model of a sliding body: mass, law, effects, and what the sensors did to the record of it.
+//!
+//! The same thing predicts a recording, is simulated, and is a preset of the device (`model.toml`, see
+//! [`Model::to_toml`]).
+
+use crate::{Geometry, Identification};
+use friction::effects::{Effect, EffectKind};
+use friction::{Coulomb, Dahl, FrictionLaw, Invalid, Karnopp, Law, in_range};
+use std::collections::BTreeMap;
+
+/// What the measurement adds to the physics. A device that renders the model leaves it out.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Nuisances {
+    /// Constant that the force channel adds, N or N·m.
+    pub offset: f64,
+    /// Time by which the force channel is behind the position, s; negative when it is ahead.
+    pub delay_s: f64,
+    /// Further effects of sensors and drive.
+    pub sensors: Vec<SensorEffect>,
+}
+
+/// An effect that sits in a sensor or the drive, by its id in the catalogue.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SensorEffect {
+    /// F = F_m + share·(F_m − lagged F_m), lag in s.
+    ActuatorLag {
+        /// Share of the force that lags.
+        share: f64,
+        /// Time constant, s.
+        lag: f64,
+    },
+    /// F = F_m + force·(sgn v(t − lag) − sgn v(t)), N and s.
+    VelocityLag {
+        /// Coulomb level seen through the lag, N.
+        force: f64,
+        /// Lag, s.
+        lag: f64,
+    },
+    /// F = F_m + gain·max(F_m, 0).
+    ForceGainAsymmetry {
+        /// Extra gain for positive force.
+        gain: f64,
+    },
+    /// F = F_m + share·(|F_m| − limit)₊·sgn F_m, N.
+    Saturation {
+        /// Minus the share of the excess that is cut.
+        share: f64,
+        /// Where it begins, N.
+        limit: f64,
+    },
+}
+
+impl SensorEffect {
+    /// Every id that a model can carry, with the names of its parameters.
+    pub const ALL: &'static [(&'static str, &'static [&'static str])] = &[
+        ("actuator_lag", &["share", "lag"]),
+        ("velocity_lag", &["force", "lag"]),
+        ("force_gain_asymmetry", &["gain"]),
+        ("saturation", &["share", "limit"]),
+    ];
+
+    /// The effect with this id from its parameters by name; None for an id or a parameter it does not have, or one
+    /// that is missing. (`time_skew` and `offset` have places of their own in [`Nuisances`].)
+    #[must_use]
+    pub fn from_parts(id: &str, value: impl Fn(&str) -> Option<f64>) -> Option<Self> {
+        Some(match id {
+            "actuator_lag" => Self::ActuatorLag { share: value("share")?, lag: value("lag")? },
+            "velocity_lag" => Self::VelocityLag { force: value("force")?, lag: value("lag")? },
+            "force_gain_asymmetry" => Self::ForceGainAsymmetry { gain: value("gain")? },
+            "saturation" => Self::Saturation { share: value("share")?, limit: value("limit")? },
+            _ => return None,
+        })
+    }
+
+    /// Id and parameters, in the order of [`SensorEffect::ALL`].
+    #[must_use]
+    pub fn parts(&self) -> (&'static str, Vec<(&'static str, f64)>) {
+        match *self {
+            Self::ActuatorLag { share, lag } => ("actuator_lag", vec![("share", share), ("lag", lag)]),
+            Self::VelocityLag { force, lag } => ("velocity_lag", vec![("force", force), ("lag", lag)]),
+            Self::ForceGainAsymmetry { gain } => ("force_gain_asymmetry", vec![("gain", gain)]),
+            Self::Saturation { share, limit } => ("saturation", vec![("share", share), ("limit", limit)]),
+        }
+    }
+}
+
+/// What a device needs beside the friction to render it; the virtual coupling of eq. 4.22.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Coupling {
+    /// `virtual_coupling` or `impedance`; the device keeps its own when absent.
+    pub renderer: Option<String>,
+    /// Stiffness, N/m; the device keeps its own when absent.
+    pub k_vc: Option<f64>,
+    /// Damping, N·s/m; the device keeps its own when absent.
+    pub b_vc: Option<f64>,
+}
+
+/// A sliding body, as identified or diagnosed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Name, as a preset would be called.
+    pub name: String,
+    /// Whether the numbers are of a slide (N, m, kg) or of an axis (N·m, rad, kg·m²).
+    pub geometry: Geometry,
+    /// Moving mass, kg, or inertia, kg·m².
+    pub mass: f64,
+    /// Friction law, f64 and SI.
+    pub law: Law<f64>,
+    /// Effects beside the law, each at most once.
+    pub effects: Vec<Effect<f64>>,
+    /// What the sensors add.
+    pub nuisances: Nuisances,
+    /// How the device should couple it to the handle.
+    pub coupling: Coupling,
+    /// Cut-off of the zero-phase filter behind which velocity and acceleration are derived for a prediction, Hz.
+    /// None: the default of [`crate::prepare`].
+    pub cutoff_hz: Option<f64>,
+    /// Standard deviations of parameters, by the name they have in the file.
+    pub std: BTreeMap<String, f64>,
+}
+
+impl Default for Model {
+    /// A massless body without friction.
+    fn default() -> Self {
+        let zero = 0.0;
+        Self {
+            name: String::new(),
+            geometry: Geometry::Linear,
+            mass: zero,
+            law: Law::Coulomb(Coulomb {
+                level_p: zero,
+                level_n: zero,
+                static_p: zero,
+                static_n: zero,
+                viscous_p: zero,
+                viscous_n: zero,
+            }),
+            effects: Vec::new(),
+            nuisances: Nuisances::default(),
+            coupling: Coupling::default(),
+            cutoff_hz: None,
+            std: BTreeMap::new(),
+        }
+    }
+}
+
+impl Model {
+    /// Checks that every number is finite and physical.
+    ///
+    /// # Errors
+    /// The first parameter that is not, with what would be accepted.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        in_range("mass", self.mass, 0.0, 1e6)?;
+        self.law.validate()?;
+        self.effects.iter().try_for_each(Effect::validate)?;
+        in_range("offset", self.nuisances.offset, -1e6, 1e6)?;
+        in_range("delay_s", self.nuisances.delay_s, -1.0, 1.0)?;
+        for sensor in &self.nuisances.sensors {
+            match *sensor {
+                SensorEffect::ActuatorLag { share, lag } => {
+                    in_range("actuator_lag.share", share, -2.0, 2.0)?;
+                    in_range("actuator_lag.lag", lag, 1e-5, 0.5)?;
+                }
+                SensorEffect::VelocityLag { force, lag } => {
+                    in_range("velocity_lag.force", force, -1e6, 1e6)?;
+                    in_range("velocity_lag.lag", lag, 0.0, 0.2)?;
+                }
+                SensorEffect::ForceGainAsymmetry { gain } => {
+                    in_range("force_gain_asymmetry.gain", gain, -1.0, 1.0)?;
+                }
+                SensorEffect::Saturation { share, limit } => {
+                    in_range("saturation.share", share, -2.0, 2.0)?;
+                    in_range("saturation.limit", limit, 1e-9, 1e9)?;
+                }
+            }
+        }
+        if let Some(cutoff) = self.cutoff_hz {
+            in_range("cutoff_hz", cutoff, 1e-3, 1e6)?;
+        }
+        if let Some(k) = self.coupling.k_vc {
+            in_range("k_vc", k, 0.0, 1e9)?;
+        }
+        self.coupling.b_vc.map_or(Ok(()), |b| in_range("b_vc", b, 0.0, 1e6))
+    }
+
+    /// The effect of this kind, if the model has it.
+    #[must_use]
+    pub fn effect(&self, kind: EffectKind) -> Option<&Effect<f64>> {
+        self.effects.iter().find(|e| e.kind == kind)
+    }
+
+    /// Adds an effect, or replaces the one of the same kind.
+    pub fn set_effect(&mut self, effect: Effect<f64>) {
+        match self.effects.iter_mut().find(|e| e.kind == effect.kind) {
+            Some(held) => *held = effect,
+            None => self.effects.push(effect),
+        }
+    }
+}
+
+impl From<&Identification> for Model {
+    /// What was identified. A parameter the recording does not determine takes the value that adds no physics: static
+    /// friction the dynamic level, Δv zero, and the stiffness of a bristle such that it bends by a micrometre
+    /// (or microradian), which a device feels as a rigid stop.
+    fn from(found: &Identification) -> Self {
+        let of = |name: &str| found.value(name).filter(|v| v.is_finite());
+        // A level that came out on the wrong side of zero is zero.
+        let level = |name: &str| of(name).unwrap_or(0.0).max(0.0);
+        let law = if found.law == "dahl" {
+            let (limit_p, limit_n) = (level("limit_p"), level("limit_n"));
+            let rigid = (limit_p.max(limit_n) / 1e-6).max(1.0);
+            Law::Dahl(Dahl {
+                limit_p,
+                limit_n,
+                sigma: of("sigma").unwrap_or(rigid),
+                exponent: of("exponent").unwrap_or(1.0),
+                viscous: of("viscous").unwrap_or(0.0),
+            })
+        } else {
+            let (c_p, c_n) = (level("coulomb_p"), level("coulomb_n"));
+            Law::Karnopp(Karnopp {
+                c_p,
+                c_n,
+                b_p: of("viscous_p").unwrap_or(0.0),
+                b_n: of("viscous_n").unwrap_or(0.0),
+                d_p: of("static_p").unwrap_or(c_p).max(0.0),
+                d_n: of("static_n").unwrap_or(c_n).max(0.0),
+                delta_v: of("delta_v").unwrap_or(0.0).max(0.0),
+            })
+        };
+        let rotary = found.force_unit != "N";
+        Self {
+            geometry: if rotary { Geometry::Rotary } else { Geometry::Linear },
+            mass: of("mass").unwrap_or(0.0).max(0.0),
+            law,
+            nuisances: Nuisances { offset: of("offset").unwrap_or(0.0), ..Nuisances::default() },
+            std: found
+                .parameters
+                .iter()
+                .filter(|(_, p)| p.std.is_finite())
+                .map(|(name, p)| (preset_name(&found.law, name).to_string(), p.std))
+                .collect(),
+            ..Self::default()
+        }
+    }
+}
+
+/// Name in a preset of a parameter of an identification.
+fn preset_name<'a>(law: &str, name: &'a str) -> &'a str {
+    match (law, name) {
+        (_, "coulomb_p" | "limit_p") => "f_dynamic_p",
+        (_, "coulomb_n" | "limit_n") => "f_dynamic_n",
+        (_, "static_p") => "f_static_p",
+        (_, "static_n") => "f_static_n",
+        (_, "viscous_p") => "damping_p",
+        (_, "viscous_n") => "damping_n",
+        (_, "viscous") => "damping",
+        (_, "delta_v") => "dv",
+        _ => name,
+    }
+}

@@ -1,0 +1,300 @@
+//! `model.toml` in: every complaint points at a line and a column.
+
+use crate::model::{Model, SensorEffect};
+use crate::model_toml::{MODEL_SCHEMA, Complaint, name_in_file, sensor_words, silent};
+use crate::Geometry;
+use friction::effects::EffectKind;
+use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
+use std::collections::BTreeMap;
+use toml::de::{DeTable, DeValue};
+
+/// Numbers of `[preset]` that are not an effect's.
+const NUMBERS: &[&str] = &[
+    "mass", "f_static_p", "f_static_n", "f_dynamic_p", "f_dynamic_n", "damping_p", "damping_n", "dv", "k_vc", "b_vc",
+    "sigma", "sigma_1", "stribeck_velocity",
+];
+
+/// A key with its value and where it stands.
+struct Entry {
+    key: String,
+    value: Value,
+    at: usize,
+}
+
+enum Value {
+    Number(f64),
+    Word(String),
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    numbers: BTreeMap<&'static str, (f64, usize)>,
+    law: Option<(String, usize)>,
+    exponent: f64,
+    model: Model,
+    sensors: BTreeMap<String, (f64, usize)>,
+    places: BTreeMap<String, usize>,
+}
+
+pub(crate) fn read(text: &str) -> Result<Model, Complaint> {
+    let place = |at: usize| Some(line_column(text, at));
+    let table = DeTable::parse(text).map_err(|e| Complaint {
+        at: e.span().and_then(|s| place(s.start)),
+        why: e.message().lines().collect::<Vec<_>>().join("; "),
+    })?;
+    let mut reader = Reader {
+        text,
+        numbers: BTreeMap::new(),
+        law: None,
+        exponent: 1.0,
+        model: Model::default(),
+        sensors: BTreeMap::new(),
+        places: BTreeMap::new(),
+    };
+    let mut flat = Vec::new();
+    let table = table.into_inner();
+    let sectioned = ["preset", "model", "std"].iter().any(|s| table.contains_key(*s));
+    for (key, value) in &table {
+        let at = key.span().start;
+        let (section, name) = if sectioned { (key.get_ref().as_ref(), "") } else { ("preset", key.get_ref().as_ref()) };
+        if !matches!(section, "preset" | "model" | "std") {
+            return Err(reader.error(at, format!("section `{section}`: accepted are [preset], [model], [std]")));
+        }
+        reader.flatten(section, name, at, value.get_ref(), &mut flat)?;
+    }
+    for (section, entry) in flat {
+        reader.places.insert(entry.key.clone(), entry.at);
+        match section {
+            "preset" => reader.preset(entry)?,
+            "model" => reader.host(entry)?,
+            _ => {
+                let value = reader.number(&entry)?;
+                if value < 0.0 {
+                    return Err(reader.error(entry.at, format!("{} = {value}: accepted from 0", entry.key)));
+                }
+                reader.model.std.insert(entry.key, value);
+            }
+        }
+    }
+    reader.finish()
+}
+
+fn line_column(text: &str, at: usize) -> (usize, usize) {
+    let before = text.get(..at.min(text.len())).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+}
+
+impl Reader<'_> {
+    fn error(&self, at: usize, why: String) -> Complaint {
+        Complaint { at: Some(line_column(self.text, at)), why }
+    }
+
+    /// Tables into dotted keys.
+    fn flatten(
+        &self,
+        section: &str,
+        key: &str,
+        at: usize,
+        value: &DeValue<'_>,
+        out: &mut Vec<(&'static str, Entry)>,
+    ) -> Result<(), Complaint> {
+        let home = ["preset", "model"].into_iter().find(|s| *s == section).unwrap_or("std");
+        let mut push = |value| out.push((home, Entry { key: key.to_string(), value, at }));
+        match value {
+            DeValue::Table(table) => {
+                for (inner, value) in table {
+                    let name = inner.get_ref();
+                    let name = if key.is_empty() { name.to_string() } else { format!("{key}.{name}") };
+                    self.flatten(section, &name, inner.span().start, value.get_ref(), out)?;
+                }
+            }
+            DeValue::String(word) => push(Value::Word(word.to_string())),
+            DeValue::Float(number) => {
+                let x: f64 = number.as_str().parse().unwrap_or(f64::NAN);
+                push(Value::Number(x));
+            }
+            DeValue::Integer(number) => {
+                let x = i64::from_str_radix(number.as_str(), number.radix()).map_or(f64::NAN, |i| i as f64);
+                push(Value::Number(x));
+            }
+            other => {
+                let why = format!("{key}: accepted is a number or a word, not a {}", other.type_str());
+                return Err(self.error(at, why));
+            }
+        }
+        Ok(())
+    }
+
+    fn number(&self, entry: &Entry) -> Result<f64, Complaint> {
+        match &entry.value {
+            Value::Number(x) if x.is_finite() => Ok(*x),
+            Value::Number(x) => Err(self.error(entry.at, format!("{} = {x}: accepted is a finite number", entry.key))),
+            Value::Word(word) => {
+                Err(self.error(entry.at, format!("{} = \"{word}\": accepted is a finite number", entry.key)))
+            }
+        }
+    }
+
+    fn word(&self, entry: &Entry, accepted: &[&str]) -> Result<String, Complaint> {
+        let shown = match &entry.value {
+            Value::Word(word) if accepted.is_empty() || accepted.contains(&word.as_str()) => return Ok(word.clone()),
+            Value::Word(word) => format!("\"{word}\""),
+            Value::Number(x) => x.to_string(),
+        };
+        let accepted = if accepted.is_empty() { "a word in quotes".to_string() } else { accepted.join(", ") };
+        Err(self.error(entry.at, format!("{} = {shown}: accepted: {accepted}", entry.key)))
+    }
+
+    fn preset(&mut self, entry: Entry) -> Result<(), Complaint> {
+        let both: &[&'static str] = match entry.key.as_str() {
+            "law" => {
+                self.law = Some((self.word(&entry, &Law::<f64>::IDS)?, entry.at));
+                return Ok(());
+            }
+            "renderer" => {
+                self.model.coupling.renderer = Some(self.word(&entry, &["virtual_coupling", "impedance"])?);
+                return Ok(());
+            }
+            "f_static" => &["f_static_p", "f_static_n"],
+            "f_dynamic" => &["f_dynamic_p", "f_dynamic_n"],
+            "damping" => &["damping_p", "damping_n"],
+            name => match NUMBERS.iter().position(|n| *n == name) {
+                Some(i) => &NUMBERS[i..=i],
+                None => return self.effect(&entry),
+            },
+        };
+        let value = self.number(&entry)?;
+        for name in both {
+            self.numbers.insert(name, (value, entry.at));
+        }
+        Ok(())
+    }
+
+    fn effect(&mut self, entry: &Entry) -> Result<(), Complaint> {
+        let Some((id, parameter)) = entry.key.split_once('.') else {
+            let why = format!(
+                "no parameter `{}`: accepted are law, renderer, f_static, f_dynamic, damping, {} and EFFECT.PARAMETER",
+                entry.key,
+                NUMBERS.join(", ")
+            );
+            return Err(self.error(entry.at, why));
+        };
+        let Some(kind) = EffectKind::from_id(id) else {
+            let ids: Vec<&str> = EffectKind::ALL.iter().map(|k| k.id()).collect();
+            return Err(self.error(entry.at, format!("no effect `{id}`: accepted are {}", ids.join(", "))));
+        };
+        let value = self.number(entry)?;
+        let mut effect = self.model.effect(kind).copied().unwrap_or_else(|| silent(kind));
+        let Some(place) = effect.get_mut(parameter) else {
+            let names: Vec<&str> = kind.gains().iter().chain(kind.shape()).map(|p| p.name).collect();
+            return Err(self.error(entry.at, format!("{id} has no `{parameter}`: accepted are {}", names.join(", "))));
+        };
+        *place = value;
+        self.model.set_effect(effect);
+        Ok(())
+    }
+
+    fn host(&mut self, entry: Entry) -> Result<(), Complaint> {
+        match entry.key.as_str() {
+            "schema" => {
+                self.word(&entry, &[MODEL_SCHEMA])?;
+            }
+            "name" => self.model.name = self.word(&entry, &[])?,
+            "geometry" => {
+                let rotary = self.word(&entry, &["linear", "rotary"])? == "rotary";
+                self.model.geometry = if rotary { Geometry::Rotary } else { Geometry::Linear };
+            }
+            "exponent" => self.exponent = self.number(&entry)?,
+            "offset" => self.model.nuisances.offset = self.number(&entry)?,
+            "delay_s" => self.model.nuisances.delay_s = self.number(&entry)?,
+            "cutoff_hz" => self.model.cutoff_hz = Some(self.number(&entry)?),
+            key => {
+                let known = key.split_once('.').is_some_and(|(id, name)| {
+                    SensorEffect::ALL.iter().any(|(known, names)| *known == id && names.contains(&name))
+                });
+                if !known {
+                    let why = format!(
+                        "no parameter `{key}`: accepted are schema, name, geometry, exponent, offset, delay_s, cutoff_hz, {}",
+                        sensor_words()
+                    );
+                    return Err(self.error(entry.at, why));
+                }
+                let value = self.number(&entry)?;
+                self.sensors.insert(entry.key, (value, entry.at));
+            }
+        }
+        Ok(())
+    }
+
+    fn required(&self, name: &'static str) -> Result<f64, Complaint> {
+        self.numbers.get(name).map(|(x, _)| *x).ok_or_else(|| {
+            let law = self.law.as_ref().map_or("", |(law, _)| law);
+            let why = format!("[preset] has no {name}; a model with law \"{law}\" needs it");
+            Complaint { at: self.law.as_ref().map(|(_, at)| line_column(self.text, *at)), why }
+        })
+    }
+
+    fn finish(mut self) -> Result<Model, Complaint> {
+        let Some((law, law_at)) = self.law.clone() else {
+            let why = format!("[preset] has no law; accepted: {}", Law::<f64>::IDS.join(", "));
+            return Err(Complaint { at: None, why });
+        };
+        self.model.mass = self.required("mass")?;
+        let or = |name: &str, otherwise: f64| self.numbers.get(name).map_or(otherwise, |(x, _)| *x);
+        let (level_p, level_n) = (self.required("f_dynamic_p")?, self.required("f_dynamic_n")?);
+        let (static_p, static_n) = (or("f_static_p", level_p), or("f_static_n", level_n));
+        let (viscous_p, viscous_n) = (or("damping_p", 0.0), or("damping_n", 0.0));
+        self.model.law = match law.as_str() {
+            "karnopp" => Law::Karnopp(Karnopp {
+                c_p: level_p,
+                c_n: level_n,
+                b_p: viscous_p,
+                b_n: viscous_n,
+                d_p: static_p,
+                d_n: static_n,
+                delta_v: or("dv", 0.0),
+            }),
+            "dahl" => Law::Dahl(Dahl {
+                limit_p: level_p,
+                limit_n: level_n,
+                sigma: self.required("sigma")?,
+                exponent: self.exponent,
+                viscous: viscous_p,
+            }),
+            "coulomb" => {
+                Law::Coulomb(Coulomb { level_p, level_n, static_p, static_n, viscous_p, viscous_n })
+            }
+            _ => Law::LuGre(LuGre {
+                sigma_0: self.required("sigma")?,
+                sigma_1: or("sigma_1", 0.0),
+                sigma_2: viscous_p,
+                coulomb: level_p,
+                stiction: static_p,
+                stribeck_velocity: self.required("stribeck_velocity")?,
+            }),
+        };
+        self.model.coupling.k_vc = self.numbers.get("k_vc").map(|(x, _)| *x);
+        self.model.coupling.b_vc = self.numbers.get("b_vc").map(|(x, _)| *x);
+        for (id, names) in SensorEffect::ALL {
+            let at = names.iter().find_map(|n| self.sensors.get(&format!("{id}.{n}"))).map(|(_, at)| *at);
+            let Some(at) = at else { continue };
+            let value = |name: &str| self.sensors.get(&format!("{id}.{name}")).map(|(x, _)| *x);
+            match SensorEffect::from_parts(id, value) {
+                Some(sensor) => self.model.nuisances.sensors.push(sensor),
+                None => return Err(self.error(at, format!("{id} needs all of {}", names.join(", ")))),
+            }
+        }
+        self.model.validate().map_err(|refused| {
+            let refused = name_in_file(&self.model.law, refused);
+            let alias = refused.parameter.trim_end_matches("_p").trim_end_matches("_n");
+            let own = self.places.get(refused.parameter).or_else(|| self.places.get(alias));
+            let dotted = || {
+                let ends = format!(".{}", refused.parameter);
+                self.places.iter().find(|(key, _)| key.ends_with(&ends)).map(|(_, at)| at)
+            };
+            self.error(*own.or_else(dotted).unwrap_or(&law_at), refused.to_string())
+        })?;
+        Ok(self.model)
+    }
+}
