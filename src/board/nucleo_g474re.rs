@@ -29,13 +29,20 @@
 //!   another edge, and stamps the sample with TIM5.
 //! * The force is written into the DAC's holding register and put out by TIM7, in phase with TIM6 by
 //!   construction: the output has no software jitter.
-//! * The control interrupt has priority 0 and everything else 6 or lower. Only critical sections can delay it.
+//! * The control interrupt has priority 0 and everything else 6 or lower. Only critical sections can delay it:
+//!   those of embassy's timer queue, and one for every line of the log, which waits for nobody.
 //!
 //! **Overrun.** A step that is not done when TIM7 fires puts its force out one period late, and is counted
 //! ([`late_steps`]). A step that is still running at the next JEOS makes the next sample late: the stamp shows it
 //! and the control step latches the fault `missed_deadline`. If steps stop altogether the supervisor stops feeding
-//! the watchdog and the chip resets within [`WATCHDOG_US`], which drops the enable pin.
+//! the watchdog and the chip resets within [`WATCHDOG_US`], which drops the enable pin. After a reset that was not
+//! asked for the loop starts with the fault `hardware` latched.
+//!
+//! **Emergency stop.** Open for three periods: the enable pin falls in that very period, whatever the control step
+//! says, and the fault is raised every other period for as long as it lasts, so that `clear` cannot outlast it.
 
+use super::Board;
+use crate::app::{ControlEnds, ControlLoop};
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
@@ -46,7 +53,7 @@ use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, Peri, bind_interrupts, interrupt, pac, rcc, triggers};
 use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
-use haptics::Inputs;
+use haptics::{Device, FaultKind, Inputs};
 use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
 use static_cell::StaticCell;
 
@@ -60,6 +67,8 @@ const LATCH_US: u32 = 34;
 pub const WATCHDOG_US: u32 = 50_000;
 /// Baud rate of the serial line.
 pub const BAUD: u32 = 921_600;
+/// Bytes from the serial line that may wait for the tasks: 11 ms of them.
+pub const RX_BYTES: usize = 1024;
 /// N of one step of the DAC, whose code 2048 is no force.
 pub const NEWTON_PER_CODE: f32 = 10.0 / 2048.0;
 /// Code of no force.
@@ -74,16 +83,37 @@ bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// What the control interrupt runs: samples in; force in N and amplifier enable out.
-pub trait ControlStep: Send {
-    /// One control period.
-    fn step(&mut self, inputs: &Inputs) -> (f32, bool);
-}
-
-/// Owned by the interrupt once [`Board::start`] was called.
+/// Owned by the interrupt once [`Peripherals::start`] was called.
 struct Loop {
     hardware: Hardware,
-    step: &'static mut dyn ControlStep,
+    control: ControlLoop,
+    ends: ControlEnds<'static>,
+    /// Raised in the first step.
+    boot_fault: Option<FaultKind>,
+    /// Consecutive periods in which the emergency stop was open.
+    stop_open: u32,
+}
+
+/// Periods for which the emergency stop must be open: shorter is a spark, not a hand.
+const STOP_PERIODS: u32 = 3;
+
+impl Loop {
+    fn step(&mut self) {
+        let inputs = self.hardware.sample();
+        self.stop_open = if self.hardware.emergency_stop.is_high() { self.stop_open.saturating_add(1) } else { 0 };
+        let stopped = self.stop_open >= STOP_PERIODS;
+        // the periods between are for requests: they are answered while the stop is open, and refused
+        let raise = stopped && (self.stop_open - STOP_PERIODS) % 2 == 0;
+        let raise = self.boot_fault.take().or(raise.then_some(FaultKind::EmergencyStop));
+        let outputs = self.control.tick(&mut self.ends, &inputs, raise);
+        self.hardware.drive(outputs.force, outputs.amplifier && !stopped);
+        let cycles = pac::TIM5.cnt().read().wrapping_sub(inputs.sample_ticks);
+        if u32::from(pac::TIM6.cnt().read().cnt()) >= LATCH_COUNTS {
+            LATE.fetch_add(1, Relaxed);
+        }
+        WORST.fetch_max(cycles, Relaxed);
+        STEPS.fetch_add(1, Relaxed);
+    }
 }
 
 static LOOP: Mutex<CriticalSectionRawMutex, RefCell<Option<Loop>>> = Mutex::new(RefCell::new(None));
@@ -115,22 +145,16 @@ fn ADC1_2() {
     LOOP.lock(|cell| {
         // the interrupt cannot interrupt itself, so the borrow succeeds; a panic path would be dead code here
         let Ok(mut control) = cell.try_borrow_mut() else { return };
-        let Some(Loop { hardware, step }) = control.as_mut() else { return };
-        let inputs = hardware.sample();
-        let (force, amplifier) = step.step(&inputs);
-        hardware.drive(force, amplifier);
-        let cycles = pac::TIM5.cnt().read().wrapping_sub(inputs.sample_ticks);
-        if pac::TIM6.cnt().read().cnt() as u32 >= LATCH_COUNTS {
-            LATE.fetch_add(1, Relaxed);
+        if let Some(control) = control.as_mut() {
+            control.step();
         }
-        WORST.fetch_max(cycles, Relaxed);
-        STEPS.fetch_add(1, Relaxed);
     });
 }
 
 /// The registers the control step reads and writes.
 struct Hardware {
     adc: InjectedAdc<'static, ADC1, 2>,
+    emergency_stop: Input<'static>,
 }
 
 impl Hardware {
@@ -206,8 +230,15 @@ pub enum ResetCause {
     Software,
 }
 
+impl ResetCause {
+    /// What the loop starts with: after a reset nobody asked for a person has to look first.
+    fn fault(self) -> Option<FaultKind> {
+        (self != Self::Power).then_some(FaultKind::Hardware)
+    }
+}
+
 /// The board, its loop not yet running.
-pub struct Board {
+pub struct Peripherals {
     hardware: Hardware,
     /// Serial line.
     pub console: BufferedUart<'static>,
@@ -215,8 +246,6 @@ pub struct Board {
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
     pub led: Output<'static>,
-    /// High while the emergency stop is pressed or its wire broken.
-    pub emergency_stop: Input<'static>,
     /// Why the chip started.
     pub reset_cause: ResetCause,
 }
@@ -242,7 +271,7 @@ fn clocks() -> Config {
     config
 }
 
-impl Board {
+impl Peripherals {
     /// Boots the board: clocks, pins, timers, converters. The amplifier is off and the force zero throughout.
     #[must_use]
     pub fn boot() -> Self {
@@ -258,10 +287,10 @@ impl Board {
         let mut settings = usart::Config::default();
         settings.baudrate = BAUD;
         static TX: StaticCell<[u8; 1024]> = StaticCell::new();
-        static RX: StaticCell<[u8; 256]> = StaticCell::new();
+        static RX: StaticCell<[u8; RX_BYTES]> = StaticCell::new();
         // the pins and the rate are constants: it cannot be refused
         let console =
-            BufferedUart::new(p.LPUART1, p.PA3, p.PA2, TX.init([0; 1024]), RX.init([0; 256]), Irqs, settings)
+            BufferedUart::new(p.LPUART1, p.PA3, p.PA2, TX.init([0; 1024]), RX.init([0; RX_BYTES]), Irqs, settings)
                 .expect("LPUART1 at 921 600 baud");
 
         let adc = Adc::new(p.ADC1, AdcConfig::default());
@@ -278,26 +307,26 @@ impl Board {
             true,
         );
         Self {
-            hardware: Hardware { adc },
+            hardware: Hardware { adc, emergency_stop: Input::new(p.PC7, Pull::Up) },
             console,
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
             led: Output::new(p.PA5, Level::Low, Speed::Low),
-            emergency_stop: Input::new(p.PC7, Pull::Up),
             reset_cause,
         }
     }
 
-    /// Starts the loop: from here on `step` runs in the control interrupt. Returns what the tasks need.
-    pub fn start(self, step: &'static mut dyn ControlStep) -> Rest {
-        let Self { hardware, console, watchdog, led, emergency_stop, reset_cause } = self;
-        LOOP.lock(|cell| cell.replace(Some(Loop { hardware, step })));
+    /// Starts the loop: from here on it runs in the control interrupt. Returns what the tasks need.
+    pub fn start(self, control: ControlLoop, ends: ControlEnds<'static>) -> Rest {
+        let Self { hardware, console, watchdog, led, reset_cause } = self;
+        let boot_fault = reset_cause.fault();
+        LOOP.lock(|cell| cell.replace(Some(Loop { hardware, control, ends, boot_fault, stop_open: 0 })));
         interrupt::ADC1_2.set_priority(Priority::P0);
         interrupt::LPUART1.set_priority(Priority::P6);
         interrupt::TIM4.set_priority(Priority::P7); // embassy-time
         // SAFETY: no critical section of ours is broken by enabling it here, outside of any.
         unsafe { interrupt::ADC1_2.enable() };
         start_pace();
-        Rest { console, watchdog, led, emergency_stop, reset_cause }
+        Rest { console, watchdog, led }
     }
 }
 
@@ -309,10 +338,47 @@ pub struct Rest {
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
     pub led: Output<'static>,
-    /// High while the emergency stop is pressed or its wire broken.
-    pub emergency_stop: Input<'static>,
-    /// Why the chip started.
-    pub reset_cause: ResetCause,
+}
+
+/// The board as the tasks see it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Nucleo;
+
+impl Board for Nucleo {
+    fn name(&self) -> &'static str {
+        "NUCLEO-G474RE"
+    }
+
+    fn device(&self) -> Device {
+        // the rig of the thesis on this board's clock and rate
+        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, ..Device::default() }
+    }
+
+    fn now_ms(&self) -> u32 {
+        embassy_time::Instant::now().as_millis() as u32
+    }
+
+    fn late_steps(&self) -> u32 {
+        late_steps()
+    }
+}
+
+/// A fault of the processor itself.
+#[cortex_m_rt::exception]
+unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+    restart()
+}
+
+/// An interrupt nobody asked for.
+#[cortex_m_rt::exception]
+unsafe fn DefaultHandler(_: i16) {
+    restart()
+}
+
+/// Force off, then a reset.
+pub fn restart() -> ! {
+    make_safe();
+    cortex_m::peripheral::SCB::sys_reset()
 }
 
 /// TIM2 counts quadrature edges, all four of a period, through a filter of 94 ns; TIM5 captures its own count

@@ -1,0 +1,144 @@
+//! What is said when the control loop has obeyed a request, and how single answers are worded.
+
+use super::Telemetry;
+use core::fmt::{self, Write};
+use haptics::{Denied, Device, Excitation, FaultKind, Identified, Settings, Warning};
+use heapless::String;
+use link::Name;
+
+/// Longest line of an answer, bytes.
+pub(super) const LINE: usize = 480;
+/// A line being written. What does not fit is cut.
+pub(super) type Line = String<LINE>;
+
+/// What a request that is under way will change and say once it is obeyed.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant)] // no heap; one at a time
+pub(super) enum Pending {
+    /// New settings; under the name of a preset, or a parameter was set.
+    Settings { settings: Settings, name: Named, warning: Option<Warning> },
+    /// `render`
+    Render(bool),
+    /// `move`
+    Move(Excitation),
+    /// `identify`, its length in s
+    Identify(f32),
+    /// `stop`
+    Stop,
+    /// `clear`
+    Clear,
+}
+
+/// What the new settings are called.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Named {
+    /// A preset.
+    Preset(Name),
+    /// A parameter of the present ones: name as typed, cut to what is known.
+    Parameter(String<48>),
+}
+
+impl Pending {
+    /// The `ok` line.
+    pub fn write(&self, out: &mut Line) -> fmt::Result {
+        match self {
+            Self::Settings { settings, name, warning } => {
+                out.write_str("ok ")?;
+                if let Some(warning) = warning {
+                    return write!(out, "warn: {warning}");
+                }
+                match name {
+                    Named::Preset(name) => write!(out, "{name}"),
+                    Named::Parameter(name) => value(settings, name, out),
+                }
+            }
+            Self::Render(on) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
+            Self::Move(e) => {
+                let (wave, amplitude, frequency) = (e.wave.id(), e.amplitude_m, e.frequency_hz);
+                write!(out, "ok move {wave} {amplitude} m {frequency} Hz")?;
+                if e.seconds > 0.0 { write!(out, " for {} s", e.seconds) } else { out.write_str(" until `stop`") }
+            }
+            Self::Identify(seconds) => {
+                write!(out, "ok identify: {seconds:.0} s of motion, hands off; the result follows")
+            }
+            Self::Stop => out.write_str("ok stop"),
+            Self::Clear => out.write_str("ok clear"),
+        }
+    }
+}
+
+/// `dv 0.007 m/s`
+pub(super) fn value(settings: &Settings, name: &str, out: &mut Line) -> fmt::Result {
+    let unit = unit(name).filter(|unit| *unit != "-");
+    match (settings.get(name), unit) {
+        (Some(value), Some(unit)) => write!(out, "{name} {value} {unit}"),
+        (Some(value), None) => write!(out, "{name} {value}"),
+        (None, _) => write!(out, "{name} off"),
+    }
+}
+
+fn unit(name: &str) -> Option<&'static str> {
+    use friction::effects::EffectKind;
+    use haptics::settings::{ALIASES, PARAMETERS};
+    if let Some((id, parameter)) = name.split_once('.') {
+        let kind = EffectKind::from_id(id)?;
+        return kind.gains().iter().chain(kind.shape()).find(|p| p.name == parameter).map(|p| p.unit);
+    }
+    PARAMETERS.iter().chain(ALIASES).find(|p| p.name == name).map(|p| p.unit)
+}
+
+/// `err CODE: why`
+pub(super) fn err(code: &str, why: impl fmt::Display, out: &mut Line) {
+    // a line that is too long is cut; nothing else can fail
+    let _ = out.write_str("err ");
+    for c in code.chars() {
+        let _ = out.push(c.to_ascii_uppercase());
+    }
+    let _ = write!(out, ": {why}");
+}
+
+/// A request that was denied.
+pub(super) fn denied(why: Denied, fault: Option<FaultKind>, out: &mut Line) {
+    match fault {
+        Some(kind) if why == Denied::FaultLatched => {
+            err(why.id(), format_args!("{} ({kind})", why.explain()), out);
+        }
+        _ => err(why.id(), why.explain(), out),
+    }
+}
+
+/// `status` without its head.
+pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Result {
+    let o = &t.outputs;
+    let load = device.load.to_si(t.inputs.load_code);
+    write!(
+        out,
+        "handle {:.6} m {:.4} m/s, block {:.6} m {}, load {load:.3} N, force {:.3} N",
+        o.position,
+        o.velocity,
+        o.block_position,
+        if o.stuck { "stuck" } else { "free" },
+        o.force,
+    )
+}
+
+/// The result of an identification in one line.
+pub(super) fn identified(found: &Identified, out: &mut Line) -> fmt::Result {
+    write!(out, "! identified: mass {:.4} ± {:.4} kg", found.mass.value, found.mass.std)?;
+    for (name, estimate, unit) in [
+        ("C_p", found.coulomb_p, "N"),
+        ("C_n", found.coulomb_n, "N"),
+        ("b_p", found.viscous_p, "N s/m"),
+        ("b_n", found.viscous_n, "N s/m"),
+    ] {
+        write!(out, ", {name} {:.4} ± {:.4} {unit}", estimate.value, estimate.std)?;
+    }
+    write!(
+        out,
+        ", D_p {:.4} N, D_n {:.4} N; relative error {:.2} %, {} samples",
+        found.static_p,
+        found.static_n,
+        100.0 * found.relative_error,
+        found.used
+    )
+}

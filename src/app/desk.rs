@@ -1,0 +1,450 @@
+//! The tasks' side: takes bytes, obeys commands, gives answers, news and frames.
+
+use super::answer::{self, Line, Named, Pending};
+use super::listing::Listing;
+use super::selftest::SelfTest;
+use super::stream::Stream;
+use super::{DeskEnds, FaultReport, Output, Report, Telemetry};
+use crate::board::Board;
+use core::fmt::Write;
+use haptics::{Config, Device, FaultKind, ModeId, Procedure, Refused, Request, Settings, Sums};
+use link::{BadLine, Command, LineEditor, MAX_LINE, Name, PresetCommand, PresetStore};
+
+/// Preset after a start, unless another is the default.
+const FIRST: &str = "brass";
+/// Preset made of what the device identified.
+const IDENTIFIED: &str = "identified";
+/// How long the control loop may take to handle a request, ms.
+const PATIENCE_MS: u32 = 500;
+
+/// Console, presets and stream of one device.
+pub struct Desk {
+    device: Device,
+    settings: Settings,
+    preset: Name,
+    /// The settings differ from the preset.
+    changed: bool,
+    presets: PresetStore,
+    editor: LineEditor,
+    output: Output,
+    /// A request was sent, an answer is owed; when it was sent, ms.
+    pending: Option<(Pending, u32)>,
+    /// An answer of several lines, and its next line.
+    listing: Option<(Listing, usize)>,
+    selftest: Option<SelfTest>,
+    stream: Option<Stream>,
+    last: Option<Telemetry>,
+    fault: Option<FaultReport>,
+    /// Control periods the tasks did not see.
+    unseen: u32,
+}
+
+impl Desk {
+    /// A desk for this device, with the first preset.
+    #[must_use]
+    pub fn new(device: Device) -> Self {
+        Self {
+            device,
+            settings: Settings::preset(FIRST).unwrap_or_default(),
+            preset: Name::try_from(FIRST).unwrap_or_default(),
+            changed: false,
+            presets: PresetStore::new(),
+            editor: LineEditor::new(),
+            output: Output::new(),
+            pending: None,
+            listing: None,
+            selftest: None,
+            stream: None,
+            last: None,
+            fault: None,
+            unseen: 0,
+        }
+    }
+
+    /// What the control loop starts with.
+    ///
+    /// # Errors
+    /// The first preset does not suit this device.
+    pub fn config(&self) -> Result<Config, Refused> {
+        self.settings.build(&self.device)
+    }
+
+    /// What waits for the serial line.
+    pub fn output(&mut self) -> &mut Output {
+        &mut self.output
+    }
+
+    /// Bytes that wait for the serial line.
+    #[must_use]
+    pub fn waiting_output(&self) -> usize {
+        self.output.waiting()
+    }
+
+    /// A command is not answered yet, or its answer not yet said.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        self.pending.is_some() || self.listing.is_some() || self.selftest.is_some() || !self.output.fits_line(answer::LINE)
+    }
+
+    /// The control period seen last.
+    #[must_use]
+    pub fn last(&self) -> Option<&Telemetry> {
+        self.last.as_ref()
+    }
+
+    /// Name of the active preset.
+    #[must_use]
+    pub fn preset(&self) -> &str {
+        &self.preset
+    }
+
+    /// Takes bytes from the serial line, up to the end of a command that has to be answered first. Returns how many
+    /// it took; offer the rest again after [`Self::poll`].
+    pub fn receive(&mut self, bytes: &[u8], ends: &mut DeskEnds<'_>, board: &mut impl Board) -> usize {
+        for (at, byte) in bytes.iter().enumerate() {
+            if self.is_busy() {
+                return at;
+            }
+            let mut line: heapless::String<MAX_LINE> = heapless::String::new();
+            match self.editor.push(*byte) {
+                None => continue,
+                Some(Err(bad)) => self.bad_line(bad),
+                Some(Ok(text)) => {
+                    let _ = line.push_str(text);
+                    self.execute(&line, ends, board);
+                }
+            }
+        }
+        bytes.len()
+    }
+
+    /// Moves everything on; call it at least once every few milliseconds.
+    pub fn poll(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
+        while self.output.fits_line(answer::LINE) {
+            let Some(report) = ends.reports.dequeue() else { break };
+            self.hear(&report);
+        }
+        while let Some(telemetry) = ends.telemetry.dequeue() {
+            self.see(&telemetry);
+        }
+        if self.pending.as_ref().is_some_and(|(_, since)| board.now_ms().wrapping_sub(*since) > PATIENCE_MS) {
+            self.pending = None;
+            self.err("NO_ANSWER", "the control loop does not run; see `fault`, or restart the device");
+        }
+        self.list(board);
+    }
+
+    fn say(&mut self, line: &Line) {
+        self.output.line(line);
+    }
+
+    fn ok(&mut self, text: core::fmt::Arguments<'_>) {
+        let mut line = Line::new();
+        let _ = write!(line, "ok {text}");
+        self.say(&line);
+    }
+
+    fn err(&mut self, code: &str, why: impl core::fmt::Display) {
+        let mut line = Line::new();
+        answer::err(code, why, &mut line);
+        self.say(&line);
+    }
+
+    fn bad_line(&mut self, bad: BadLine) {
+        self.err(bad.code(), bad);
+    }
+
+    /// The loop handled a request, latched a fault, finished an identification.
+    fn hear(&mut self, report: &Report) {
+        match report {
+            Report::Handled(denied) => self.handled(*denied),
+            Report::Fault(fault) => {
+                self.fault = Some(*fault);
+                let mut line = Line::new();
+                let _ = write!(line, "! fault {}: {}", fault.kind, fault.kind.explain());
+                self.say(&line);
+            }
+            Report::Identified(sums) => self.identified(sums),
+        }
+    }
+
+    fn handled(&mut self, denied: Option<haptics::Denied>) {
+        let Some((pending, _)) = self.pending.take() else { return };
+        let mut line = Line::new();
+        if let Some(why) = denied {
+            answer::denied(why, self.fault_kind(), &mut line);
+        } else {
+            // too long a line is cut
+            let _ = pending.write(&mut line);
+            match pending {
+                Pending::Settings { settings, name, .. } => {
+                    self.settings = settings;
+                    self.changed = matches!(name, Named::Parameter(_));
+                    if let Named::Preset(name) = name {
+                        self.preset = name;
+                    }
+                }
+                Pending::Clear => self.fault = None,
+                _ => {}
+            }
+        }
+        self.say(&line);
+    }
+
+    fn identified(&mut self, sums: &Sums) {
+        let mut line = Line::new();
+        match sums.solve() {
+            Ok(found) => {
+                let _ = answer::identified(&found, &mut line);
+                self.say(&line);
+                line.clear();
+                let settings = found.to_settings(&self.settings, &self.device);
+                let _ = match settings.validate(&self.device) {
+                    Ok(_) => match self.presets.save(IDENTIFIED, &settings) {
+                        Ok(()) => write!(line, "! preset {IDENTIFIED}: `preset use {IDENTIFIED}` renders it"),
+                        Err(full) => write!(line, "! no preset made of it: {full}"),
+                    },
+                    Err(refused) => write!(line, "! not a preset this device can render: {refused}"),
+                };
+            }
+            Err(why) => {
+                let _ = write!(line, "! not identified: {why}");
+            }
+        }
+        self.say(&line);
+    }
+
+    fn see(&mut self, telemetry: &Telemetry) {
+        if let Some(last) = &self.last {
+            self.unseen = self.unseen.saturating_add(telemetry.step.wrapping_sub(last.step).wrapping_sub(1));
+            let driven = |mode| matches!(mode, ModeId::Exciting | ModeId::Identifying);
+            if driven(last.outputs.mode) && telemetry.outputs.mode == ModeId::Idle && self.output.fits_line(answer::LINE) {
+                let mut line = Line::new();
+                let _ = write!(line, "! the motion has ended");
+                self.say(&line);
+            }
+        }
+        self.last = Some(*telemetry);
+        if let Some(stream) = &mut self.stream {
+            stream.take(telemetry, &self.device, &mut self.output);
+        }
+        if let Some(test) = &mut self.selftest {
+            if test.take(telemetry, &self.device) {
+                let checks = test.checks(&self.device);
+                self.selftest = None;
+                let failed = checks.iter().filter(|check| !check.passed).count();
+                let mut line = Line::new();
+                let _ = match failed {
+                    0 => write!(line, "ok selftest passed, {} lines:", checks.len()),
+                    _ => write!(line, "err SELFTEST: {failed} checks failed, {} lines:", checks.len()),
+                };
+                self.say(&line);
+                self.listing = Some((Listing::Checks(checks), 0));
+            }
+        }
+    }
+
+    /// Says lines of a long answer while there is room.
+    fn list(&mut self, board: &impl Board) {
+        while let Some((listing, at)) = &mut self.listing {
+            if !self.output.fits_line(answer::LINE) {
+                return;
+            }
+            if *at >= listing.lines(board) {
+                self.listing = None;
+                return;
+            }
+            let mut line = Line::new();
+            let _ = listing.write(*at, board, &mut line);
+            *at += 1;
+            self.output.line(&line);
+        }
+    }
+
+    fn begin_list(&mut self, title: core::fmt::Arguments<'_>, listing: Listing, board: &impl Board) {
+        self.ok(format_args!("{title}, {} lines:", listing.lines(board)));
+        self.listing = Some((listing, 0));
+    }
+
+    fn fault_kind(&self) -> Option<FaultKind> {
+        self.fault.map(|fault| fault.kind)
+    }
+
+    fn execute(&mut self, line: &str, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
+        let mut own = Line::new();
+        if let Some(done) = board.command(line, &mut own) {
+            return match done {
+                Ok(()) => self.ok(format_args!("{own}")),
+                Err(code) => self.err(code, own),
+            };
+        }
+        let command = match Command::parse(line) {
+            Ok(Some(command)) => command,
+            Ok(None) => return,
+            Err(bad) => return self.err(bad.code(), bad),
+        };
+        let now = board.now_ms();
+        match command {
+            Command::Help => self.begin_list(format_args!("help"), Listing::Help, board),
+            Command::Version => self.ok(format_args!(
+                "tribos {} on {}, {:.0} Hz",
+                env!("CARGO_PKG_VERSION"),
+                board.name(),
+                1.0 / self.device.period
+            )),
+            Command::Status => self.status(board),
+            Command::Fault => self.tell_fault(),
+            Command::Get(None) => {
+                let listing = Listing::Parameters(self.settings);
+                self.begin_list(format_args!("{}", self.preset.clone()), listing, board);
+            }
+            Command::Get(Some(name)) => self.get(name),
+            Command::Preset(command) => self.preset_command(command, now, ends, board),
+            Command::Set { name, value } => self.set(name, value, now, ends),
+            Command::Render(on) => self.ask(Request::Render(on), Pending::Render(on), now, ends),
+            Command::Move(excitation) => match excitation.validate(&self.device) {
+                Ok(()) => self.ask(Request::Excite(excitation), Pending::Move(excitation), now, ends),
+                Err(refused) => self.err("REFUSED", refused),
+            },
+            Command::Identify => {
+                let procedure = Procedure::default();
+                let seconds = procedure.warm_up_s + procedure.record_s;
+                self.ask(Request::Identify(procedure), Pending::Identify(seconds), now, ends);
+            }
+            Command::Stop => self.ask(Request::Stop, Pending::Stop, now, ends),
+            Command::Clear => self.ask(Request::ClearFault, Pending::Clear, now, ends),
+            Command::Stream(0) => {
+                let dropped = self.stream.take().map_or(0, |stream| stream.dropped());
+                self.ok(format_args!("stream off, {dropped} frames dropped"));
+            }
+            Command::Stream(decimation) => {
+                self.ok(format_args!("stream on, every {decimation} periods"));
+                self.stream = Some(Stream::new(decimation, self.preset.clone()));
+            }
+            Command::SelfTest => match self.last.map(|t| t.outputs.mode) {
+                Some(ModeId::Idle) => self.selftest = Some(SelfTest::default()),
+                Some(mode) => self.err("BUSY", format_args!("{}; accepted while idle: `stop` first", mode.id())),
+                None => self.err("NO_ANSWER", "the control loop does not run"),
+            },
+        }
+    }
+
+    /// Hands a request to the control loop; the answer comes when it was handled.
+    fn ask(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
+        match ends.ask.enqueue(request) {
+            Ok(()) => self.pending = Some((pending, now)),
+            Err(_) => self.err("BUSY", "the control loop has requests waiting; try again"),
+        }
+    }
+
+    fn get(&mut self, name: &str) {
+        if self.settings.get(name).is_none() {
+            let mut copy = self.settings;
+            // the refusal of `set` says best what is wrong with the name
+            return match copy.set(name, "0") {
+                Err(unknown) => self.err("UNKNOWN_PARAMETER", unknown),
+                Ok(()) => self.ok(format_args!("{name} off")),
+            };
+        }
+        let mut line = Line::new();
+        let _ = line.write_str("ok ");
+        let _ = answer::value(&self.settings, name, &mut line);
+        self.say(&line);
+    }
+
+    fn set(&mut self, name: &str, value: &str, now: u32, ends: &mut DeskEnds<'_>) {
+        let mut settings = self.settings;
+        if let Err(wrong) = settings.set(name, value) {
+            let known = settings.get(name).is_some();
+            return self.err(if known { "VALUE" } else { "UNKNOWN_PARAMETER" }, wrong);
+        }
+        let named = Named::Parameter(name.chars().take(48).collect());
+        self.configure(settings, named, now, ends);
+    }
+
+    fn configure(&mut self, settings: Settings, name: Named, now: u32, ends: &mut DeskEnds<'_>) {
+        match settings.validate(&self.device).and_then(|w| Ok((w, settings.build(&self.device)?))) {
+            Ok((warning, config)) => {
+                let pending = Pending::Settings { settings, name, warning };
+                self.ask(Request::Configure(config), pending, now, ends);
+            }
+            Err(refused) => self.err("REFUSED", refused),
+        }
+    }
+
+    fn preset_command(
+        &mut self,
+        command: PresetCommand<'_>,
+        now: u32,
+        ends: &mut DeskEnds<'_>,
+        board: &mut impl Board,
+    ) {
+        let done = match command {
+            PresetCommand::List => {
+                let mut line = Line::new();
+                let _ = line.write_str("ok");
+                let _ = self.presets.names().try_for_each(|name| write!(line, " {name}"));
+                let changed = if self.changed { " (changed)" } else { "" };
+                let _ = write!(line, "; active {}{changed}", self.preset);
+                if let Some(name) = self.presets.default_name() {
+                    let _ = write!(line, "; default {name}");
+                }
+                return self.say(&line);
+            }
+            PresetCommand::Show(name) => match self.presets.find(name) {
+                Ok(settings) => {
+                    return self.begin_list(format_args!("{name}"), Listing::Parameters(settings), board);
+                }
+                Err(e) => Err(e),
+            },
+            PresetCommand::Use(name) => match self.presets.find(name) {
+                Ok(settings) => {
+                    let key = Name::try_from(name).unwrap_or_default();
+                    return self.configure(settings, Named::Preset(key), now, ends);
+                }
+                Err(e) => Err(e),
+            },
+            PresetCommand::Save(name) => {
+                self.presets.save(name, &self.settings).map(|()| (name, "saved until the device restarts"))
+            }
+            PresetCommand::Delete(name) => self.presets.delete(name).map(|()| (name, "deleted")),
+            PresetCommand::Default(name) => {
+                self.presets.set_default(name).map(|()| (name, "is the default until the device restarts"))
+            }
+        };
+        match done {
+            Ok((name, what)) => self.ok(format_args!("{name} {what}")),
+            Err(e) => self.err(e.code(), e),
+        }
+    }
+
+    fn status(&mut self, board: &impl Board) {
+        let mut line = Line::new();
+        let Some(t) = self.last else {
+            return self.err("NO_ANSWER", "the control loop does not run");
+        };
+        let changed = if self.changed { " (changed)" } else { "" };
+        let _ = write!(line, "ok {}, preset {}{changed}, ", t.outputs.mode.id(), self.preset);
+        let _ = answer::handle(&t, &self.device, &mut line);
+        let (step, late, unseen) = (t.step, board.late_steps(), self.unseen);
+        let _ = write!(line, ", step {step}, {late} late, {unseen} not seen by the console");
+        if let Some(stream) = &self.stream {
+            let _ = write!(line, ", stream on, {} frames dropped", stream.dropped());
+        }
+        self.say(&line);
+    }
+
+    fn tell_fault(&mut self) {
+        let Some(f) = self.fault else { return self.ok(format_args!("no fault")) };
+        self.ok(format_args!(
+            "{} at step {} while {}: handle {:.6} m {:.4} m/s, force {:.3} N; {}; then `clear`",
+            f.kind,
+            f.step,
+            f.during.id(),
+            f.position,
+            f.velocity,
+            f.force,
+            f.kind.explain()
+        ));
+    }
+}

@@ -1,0 +1,78 @@
+//! Answers of several lines, given line by line as the serial line takes them.
+
+use crate::board::Board;
+use core::fmt::{self, Write};
+use friction::effects::EffectKind;
+use haptics::{Settings, settings};
+use link::HELP;
+
+/// Which answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::large_enum_variant)] // no heap; one at a time
+pub(super) enum Listing {
+    /// `help`
+    Help,
+    /// `get` and `preset show`
+    Parameters(Settings),
+    /// `selftest`
+    Checks([super::selftest::Check; 5]),
+}
+
+impl Listing {
+    /// Lines it has.
+    pub fn lines(&self, board: &impl Board) -> usize {
+        match self {
+            Self::Help => {
+                HELP.len() + board.help().len() + 1 + settings::PARAMETERS.len() + settings::ALIASES.len() + 1
+            }
+            Self::Parameters(settings) => settings::PARAMETERS.len() + effect_parameters(settings).count(),
+            Self::Checks(checks) => checks.len(),
+        }
+    }
+
+    /// Writes line `at`, from 0.
+    pub fn write(&self, at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
+        match self {
+            Self::Help => help(at, board, out),
+            Self::Parameters(settings) => parameter(settings, at, out),
+            Self::Checks(checks) => checks.get(at).map_or(Ok(()), |check| write!(out, "  {check}")),
+        }
+    }
+}
+
+fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
+    let mut commands = HELP.iter().chain(board.help());
+    let count = HELP.len() + board.help().len();
+    if let Some(line) = commands.nth(at) {
+        return write!(out, "  {:<50} {}", line.usage, line.what);
+    }
+    let Some(at) = at.checked_sub(count + 1) else { return write!(out, "  parameters:") };
+    match settings::PARAMETERS.iter().chain(settings::ALIASES).nth(at) {
+        Some(p) => write!(out, "    {:<18} {:<6} {}", p.name, p.unit, p.what),
+        None => {
+            write!(out, "    EFFECT.PARAMETER   besides, e.g. stribeck.force_p; `set EFFECT off` removes; effects:")?;
+            EffectKind::ALL.iter().try_for_each(|kind| write!(out, " {}", kind.id()))
+        }
+    }
+}
+
+/// Name and unit of every parameter of the effects in use.
+fn effect_parameters(settings: &Settings) -> impl Iterator<Item = (&'static str, &'static str, &'static str, f32)> {
+    settings.effects.iter().flatten().flat_map(|effect| {
+        let kind = effect.kind;
+        let gains = kind.gains().iter().zip(effect.gains);
+        gains.chain(kind.shape().iter().zip(effect.shape)).map(move |(p, x)| (kind.id(), p.name, p.unit, x))
+    })
+}
+
+fn parameter(settings: &Settings, at: usize, out: &mut impl Write) -> fmt::Result {
+    let Some(p) = settings::PARAMETERS.get(at) else {
+        let besides = effect_parameters(settings).nth(at - settings::PARAMETERS.len());
+        return besides.map_or(Ok(()), |(id, name, unit, x)| write!(out, "  {id}.{name} {x} {unit}"));
+    };
+    match settings.get(p.name) {
+        Some(value) if p.unit == "-" => write!(out, "  {} {value}", p.name),
+        Some(value) => write!(out, "  {} {value} {}", p.name, p.unit),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,84 @@
+//! The binary stream: which control periods become frames, and what was lost.
+
+use super::{Output, Telemetry};
+use haptics::{Channel, Device};
+use link::{Frame, Header, Name, Sample, encode};
+
+/// A stream that is on. Frame `n` has sequence number `n` whether or not it was sent: a gap is a loss.
+#[derive(Debug, Clone)]
+pub(super) struct Stream {
+    decimation: u32,
+    /// Control step of sample 0; the stream begins with the next period seen.
+    start: Option<u32>,
+    /// Sequence number of the next frame.
+    next: u32,
+    dropped: u32,
+    header_sent: bool,
+    preset: Name,
+}
+
+impl Stream {
+    pub fn new(decimation: u32, preset: Name) -> Self {
+        Self { decimation: decimation.max(1), start: None, next: 1, dropped: 0, header_sent: false, preset }
+    }
+
+    /// Frames that were due and not sent.
+    pub fn dropped(&self) -> u32 {
+        self.dropped
+    }
+
+    /// One control period.
+    pub fn take(&mut self, telemetry: &Telemetry, device: &Device, output: &mut Output) {
+        if !self.header_sent {
+            let header = Frame::Header(self.header(device));
+            self.header_sent = encode(0, &header).is_some_and(|wire| output.frame(&wire));
+            if !self.header_sent {
+                return;
+            }
+        }
+        let start = *self.start.get_or_insert(telemetry.step);
+        let since = telemetry.step.wrapping_sub(start);
+        if since % self.decimation != 0 {
+            return;
+        }
+        let seq = 1 + since / self.decimation;
+        // periods the queue had no room for
+        self.dropped = self.dropped.saturating_add(seq.saturating_sub(self.next));
+        self.next = seq.wrapping_add(1);
+        let frame = Frame::Sample(self.sample(telemetry));
+        if !encode(seq, &frame).is_some_and(|wire| output.frame(&wire)) {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+
+    fn header(&self, device: &Device) -> Header {
+        let channel =
+            |c: &Channel| link::Channel { offset_code: c.offset_code, unit_per_code: c.unit_per_code };
+        Header {
+            tick_hz: device.tick_hz,
+            period_ticks: device.period_ticks(),
+            metre_per_count: device.metre_per_count,
+            load: channel(&device.load),
+            accel: channel(&device.accel),
+            decimation: self.decimation,
+            preset: self.preset.clone(),
+        }
+    }
+
+    fn sample(&self, telemetry: &Telemetry) -> Sample {
+        let Telemetry { step, inputs, outputs } = telemetry;
+        Sample {
+            step: *step,
+            sample_ticks: inputs.sample_ticks,
+            count: inputs.count as i32,
+            edge_age: inputs.sample_ticks.wrapping_sub(inputs.edge_ticks),
+            load_code: inputs.load_code,
+            accel_code: inputs.accel_code,
+            force: outputs.force,
+            reference: outputs.reference,
+            mode: outputs.mode.code(),
+            fault: outputs.fault.map_or(0, |fault| fault.code()),
+            dropped: self.dropped,
+        }
+    }
+}

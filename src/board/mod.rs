@@ -1,0 +1,36 @@
+//! Two boards, one trait.
+
+#[cfg(target_os = "none")]
+#[allow(unsafe_code)] // registers; the only place
+pub mod nucleo_g474re;
+#[cfg(not(target_os = "none"))]
+pub mod simulated;
+
+use core::fmt::Write;
+use haptics::Device;
+use link::HelpLine;
+
+/// What the tasks ask of a board.
+pub trait Board {
+    /// For people.
+    fn name(&self) -> &'static str;
+
+    /// Constants of the device on this board.
+    fn device(&self) -> Device;
+
+    /// Time since the start, ms; wraps.
+    fn now_ms(&self) -> u32;
+
+    /// Control steps whose force came out late.
+    fn late_steps(&self) -> u32;
+
+    /// Commands that only this board has.
+    fn help(&self) -> &'static [HelpLine] {
+        &[]
+    }
+
+    /// Obeys such a command: `None` if the line is none. What it says goes into `out`; in the error is the code.
+    fn command(&mut self, _line: &str, _out: &mut dyn Write) -> Option<Result<(), &'static str>> {
+        None
+    }
+}

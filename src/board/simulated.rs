@@ -1,0 +1,385 @@
+//! The rig as a board, and the virtual device: the firmware application on it, in virtual time.
+
+use super::Board;
+use crate::app::{ControlLoop, Desk, Queues};
+use core::fmt::Write;
+use friction::effects::Effect;
+use friction::{Coulomb, Invalid, Karnopp, Law};
+use haptics::{Channel, Device, Inputs, ModeId, Outputs};
+use link::HelpLine;
+use plant::{Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Target, Truth, materials::material};
+use std::collections::VecDeque;
+
+/// Bytes the serial line carries in a control period: 921 600 baud, ten bits a byte.
+const BYTES_PER_PERIOD: usize = 92;
+/// Bytes nobody reads; with more the line stands still, as on a device whose cable is not plugged in.
+const UNREAD: usize = 1 << 20;
+
+/// What the block slides by.
+pub type Slide = Layered<Law<f64>>;
+
+/// What can be chosen before the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VirtualConfig {
+    /// Of all noise.
+    pub seed: u64,
+    /// The rig. Block mass 0: the handle is free, and what it feels is rendered.
+    pub rig: RigConfig,
+}
+
+impl Default for VirtualConfig {
+    /// The thesis's rig with a free handle.
+    fn default() -> Self {
+        Self { seed: 1, rig: RigConfig::free_handle() }
+    }
+}
+
+/// Who holds the handle.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Holder {
+    /// Nobody.
+    #[default]
+    Nobody,
+    /// A source of force.
+    Force(HandForce),
+    /// A hand with stiffness, damping and mass around a moving target.
+    Hand(HandImpedance),
+}
+
+impl Holder {
+    /// A relaxed hand that moves the handle to and fro: `amplitude` m, `frequency` Hz.
+    #[must_use]
+    pub fn to_and_fro(amplitude: f64, frequency: f64) -> Self {
+        Self::Hand(HandImpedance {
+            stiffness: 1_500.0,
+            damping: 15.0,
+            ..HandImpedance::relaxed(Target::Sine { centre: 0.0, amplitude, frequency })
+        })
+    }
+}
+
+impl Hand for Holder {
+    fn force(&mut self, t: f64, x: f64, v: f64) -> f64 {
+        match self {
+            Self::Nobody => NoHand.force(t, x, v),
+            Self::Force(hand) => hand.force(t, x, v),
+            Self::Hand(hand) => hand.force(t, x, v),
+        }
+    }
+
+    fn mass(&self) -> f64 {
+        match self {
+            Self::Hand(hand) => hand.mass,
+            Self::Nobody | Self::Force(_) => 0.0,
+        }
+    }
+}
+
+/// The rig as a board.
+pub struct SimulatedBoard {
+    rig: Rig<Slide>,
+    hand: Holder,
+    force: f64,
+    periods: u64,
+}
+
+/// A surface that does nothing, for the rig without a block.
+const NOTHING: Slide = Layered::new(Law::Coulomb(Coulomb {
+    level_p: 0.0,
+    level_n: 0.0,
+    static_p: 0.0,
+    static_n: 0.0,
+    viscous_p: 0.0,
+    viscous_n: 0.0,
+}));
+
+const HELP: &[HelpLine] = &[
+    HelpLine { usage: "sim hand off|hold|push NEWTON|sine AMP FREQ", what: "simulated hand: N, m, Hz" },
+    HelpLine { usage: "sim block none|brass|teflon|rubber", what: "a real block on the handle (table 3-3)" },
+    HelpLine { usage: "sim truth", what: "what really happens in the rig" },
+];
+
+impl SimulatedBoard {
+    fn new(config: &VirtualConfig) -> Result<Self, Invalid> {
+        let rig = Rig::new(config.rig, NOTHING, config.seed)?;
+        Ok(Self { rig, hand: Holder::Nobody, force: 0.0, periods: 0 })
+    }
+
+    /// One period of the rig under the last force.
+    fn sample(&mut self) -> Inputs {
+        let sensors = self.rig.tick(self.force, &mut self.hand);
+        self.periods += 1;
+        Inputs {
+            sample_ticks: sensors.sample_ticks,
+            count: sensors.count,
+            edge_ticks: sensors.edge_ticks,
+            load_code: sensors.load_code,
+            accel_code: sensors.accel_code,
+        }
+    }
+
+    fn drive(&mut self, outputs: &Outputs) {
+        self.force = if outputs.amplifier { f64::from(outputs.force) } else { 0.0 };
+    }
+
+    fn sim(&mut self, words: &[&str], out: &mut dyn Write) -> Result<(), &'static str> {
+        let wrong = |out: &mut dyn Write, word: &str, accepted: &str| {
+            // a String takes everything
+            let _ = write!(out, "`{word}`: accepted are {accepted}");
+            "SYNTAX"
+        };
+        let number = |out: &mut dyn Write, what: &str, text: &str, most: f64| {
+            let number = text.parse::<f64>().ok().filter(|x| x.abs() <= most);
+            number.ok_or_else(|| {
+                let _ = write!(out, "{what} = `{text}`: accepted is a number from -{most} to {most}");
+                "VALUE"
+            })
+        };
+        match words {
+            ["hand", "off"] => {
+                self.hand = Holder::Nobody;
+                let _ = write!(out, "hand off");
+            }
+            ["hand", "hold"] => {
+                let position = self.rig.truth().position;
+                self.hand = Holder::Hand(HandImpedance::relaxed(Target::Hold { position }));
+                let _ = write!(out, "hand holds at {position:.4} m");
+            }
+            ["hand", "push", text] => {
+                let force = number(out, "NEWTON", text, 20.0)?;
+                self.hand = Holder::Force(HandForce::Steps(vec![(0.0, force)]));
+                let _ = write!(out, "hand pushes with {force} N");
+            }
+            ["hand", "sine", amplitude, frequency] => {
+                let amplitude = number(out, "AMP", amplitude, 0.015)?;
+                let frequency = number(out, "FREQ", frequency, 10.0)?;
+                self.hand = Holder::to_and_fro(amplitude, frequency);
+                let _ = write!(out, "hand moves {amplitude} m at {frequency} Hz");
+            }
+            ["hand", word, ..] => return Err(wrong(out, word, "off, hold, push NEWTON, sine AMP FREQ")),
+            ["block", "none"] => {
+                let _ = self.rig.set_block(0.0, NOTHING);
+                let _ = write!(out, "block off: the handle is free");
+            }
+            ["block", name] => {
+                let Some(material) = material(name) else {
+                    return Err(wrong(out, name, "none, brass, teflon, rubber"));
+                };
+                let _ = self.set_block(material.mass, material.law, &[]);
+                let _ = write!(out, "block of {} kg on {}", material.mass, material.name);
+            }
+            ["truth"] => {
+                let t = self.rig.truth();
+                let _ = write!(
+                    out,
+                    "t {:.3} s, handle {:.6} m {:.4} m/s {:.3} m/s2, block friction {:.3} N, hand {:.3} N, actuator {:.3} N",
+                    t.time, t.position, t.velocity, t.acceleration, t.friction, t.hand_force, t.actuator_force
+                );
+            }
+            _ => return Err(wrong(out, &words.join(" "), "hand …, block …, truth")),
+        }
+        Ok(())
+    }
+
+    fn set_block(&mut self, mass: f64, law: Karnopp<f64>, effects: &[Effect<f64>]) -> Result<(), Invalid> {
+        let mut slide = Layered::with(Law::Karnopp(law), effects)?;
+        slide.block_mass = Some(mass);
+        self.rig.set_block(mass, slide)
+    }
+}
+
+impl Board for SimulatedBoard {
+    fn name(&self) -> &'static str {
+        "the simulated rig"
+    }
+
+    fn device(&self) -> Device {
+        let config = self.rig.config();
+        let c = &config.calibration;
+        let channel = |c: &plant::Channel| Channel {
+            offset_code: c.offset_code as f32,
+            unit_per_code: c.unit_per_code as f32,
+        };
+        Device {
+            tick_hz: c.tick_hz,
+            period: config.period() as f32,
+            metre_per_count: c.metre_per_count as f32,
+            load: channel(&c.load),
+            accel: channel(&c.accel),
+            ..Device::default()
+        }
+    }
+
+    fn now_ms(&self) -> u32 {
+        // wraps as on the board
+        (self.periods as f64 * self.rig.config().period() * 1e3) as u64 as u32
+    }
+
+    fn late_steps(&self) -> u32 {
+        0
+    }
+
+    fn help(&self) -> &'static [HelpLine] {
+        HELP
+    }
+
+    fn command(&mut self, line: &str, out: &mut dyn Write) -> Option<Result<(), &'static str>> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.split_first() {
+            Some((&"sim", rest)) => Some(self.sim(rest, out)),
+            _ => None,
+        }
+    }
+}
+
+/// The firmware application on the simulated rig, in virtual time, as fast as it is called.
+///
+/// ```
+/// let mut device = tribos_firmware::VirtualDevice::new(&Default::default())?;
+/// device.write(b"preset use rubber\n");
+/// let mut heard = Vec::new();
+/// for _ in 0..10 {
+///     device.tick();
+///     device.read(&mut heard);
+/// }
+/// assert_eq!(heard, b"ok rubber\r\n");
+/// # Ok::<(), tribos_firmware::board::simulated::Unfit>(())
+/// ```
+pub struct VirtualDevice {
+    board: SimulatedBoard,
+    control: ControlLoop,
+    desk: Desk,
+    queues: Queues,
+    input: VecDeque<u8>,
+    output: Vec<u8>,
+    outputs: Outputs,
+}
+
+/// A rig that cannot be.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Unfit {
+    /// A parameter of the rig is out of range.
+    Rig(Invalid),
+    /// The first preset cannot be rendered on it.
+    Preset(haptics::Refused),
+}
+
+impl std::fmt::Display for Unfit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Rig(invalid) => write!(f, "the simulated rig: {invalid}"),
+            Self::Preset(refused) => write!(f, "the first preset on this rig: {refused}"),
+        }
+    }
+}
+
+impl std::error::Error for Unfit {}
+
+impl VirtualDevice {
+    /// Boots it.
+    ///
+    /// # Errors
+    /// A parameter of the rig is out of range, or the first preset cannot be rendered on it.
+    pub fn new(config: &VirtualConfig) -> Result<Self, Unfit> {
+        let board = SimulatedBoard::new(config).map_err(Unfit::Rig)?;
+        let desk = Desk::new(board.device());
+        let control = ControlLoop::new(desk.config().map_err(Unfit::Preset)?);
+        Ok(Self {
+            board,
+            control,
+            desk,
+            queues: Queues::new(),
+            input: VecDeque::new(),
+            output: Vec::new(),
+            outputs: Outputs::default(),
+        })
+    }
+
+    /// Bytes to the device.
+    pub fn write(&mut self, bytes: &[u8]) {
+        self.input.extend(bytes);
+    }
+
+    /// Appends what the device has sent since the last time.
+    pub fn read(&mut self, into: &mut Vec<u8>) {
+        into.append(&mut self.output);
+    }
+
+    /// Every byte was heard and every command answered.
+    #[must_use]
+    pub fn is_quiet(&self) -> bool {
+        self.input.is_empty() && !self.desk.is_busy() && self.output.is_empty() && self.desk.waiting_output() == 0
+    }
+
+    /// One control period of virtual time.
+    pub fn tick(&mut self) {
+        let inputs = self.board.sample();
+        let (mut control_ends, mut desk_ends) = self.queues.split();
+        self.outputs = self.control.tick(&mut control_ends, &inputs, None);
+        self.board.drive(&self.outputs);
+        let (bytes, _) = self.input.as_slices();
+        let taken = self.desk.receive(bytes, &mut desk_ends, &mut self.board);
+        self.input.drain(..taken);
+        self.desk.poll(&mut desk_ends, &mut self.board);
+        let mut room = BYTES_PER_PERIOD.min(UNREAD.saturating_sub(self.output.len()));
+        while room > 0 {
+            let front = self.desk.output().front();
+            let count = front.len().min(room);
+            if count == 0 {
+                break;
+            }
+            self.output.extend_from_slice(&front[..count]);
+            self.desk.output().sent(count);
+            room -= count;
+        }
+    }
+
+    /// What the control step gave last.
+    #[must_use]
+    pub fn outputs(&self) -> &Outputs {
+        &self.outputs
+    }
+
+    /// State of the machine.
+    #[must_use]
+    pub fn mode(&self) -> ModeId {
+        self.outputs.mode
+    }
+
+    /// Name of the active preset.
+    #[must_use]
+    pub fn preset(&self) -> &str {
+        self.desk.preset()
+    }
+
+    /// What really happens in the rig.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        self.board.rig.truth()
+    }
+
+    /// Control period, s.
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        self.board.rig.config().period()
+    }
+
+    /// Constants of the device.
+    #[must_use]
+    pub fn device(&self) -> Device {
+        self.board.device()
+    }
+
+    /// Somebody takes the handle.
+    pub fn hold(&mut self, hand: Holder) {
+        self.board.hand = hand;
+    }
+
+    /// Mounts a real block of `mass` kg that slides by `law` and by effects nobody is told of; mass 0 takes it off.
+    ///
+    /// # Errors
+    /// A parameter out of range, or too many effects; the old block stays.
+    pub fn set_block(&mut self, mass: f64, law: Karnopp<f64>, concealed: &[Effect<f64>]) -> Result<(), Invalid> {
+        self.board.set_block(mass, law, concealed)
+    }
+}
