@@ -1,0 +1,40 @@
+//! Feeds the watchdog while the loop is healthy, and only then.
+
+use embassy_stm32::gpio::Output;
+use embassy_stm32::peripherals::IWDG;
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_time::{Duration, Ticker};
+use tribos_firmware::board::nucleo_g474re as board;
+
+/// How often the loop is looked at, ms.
+const LOOK_MS: u64 = 10;
+/// Control steps there must have been since the last look: all, but for the phase of the two clocks.
+const ENOUGH: u32 = LOOK_MS as u32 - 1;
+/// Looks between two changes of the lamp: 1 Hz.
+const BLINK: u32 = 50;
+
+#[embassy_executor::task]
+pub async fn run(mut watchdog: IndependentWatchdog<'static, IWDG>, mut lamp: Output<'static>) {
+    watchdog.unleash();
+    let mut tick = Ticker::every(Duration::from_millis(LOOK_MS));
+    let mut last = board::steps();
+    let mut late = 0;
+    let mut looks: u32 = 0;
+    loop {
+        tick.next().await;
+        let steps = board::steps();
+        if steps.wrapping_sub(last) >= ENOUGH {
+            watchdog.pet();
+            looks = looks.wrapping_add(1);
+            if looks % BLINK == 0 {
+                lamp.toggle();
+            }
+        }
+        last = steps;
+        let now_late = board::late_steps();
+        if now_late != late {
+            defmt::warn!("{=u32} forces came out late, worst step {=u32} cycles", now_late, board::worst_cycles());
+            late = now_late;
+        }
+    }
+}
