@@ -83,7 +83,7 @@ impl Desk {
     /// A command is not answered yet, or its answer not yet said.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.pending.is_some() || self.listing.is_some() || self.selftest.is_some() || !self.output.fits_line(answer::LINE)
+        self.pending.is_some() || self.listing.is_some() || self.selftest.is_some() || self.output.is_behind()
     }
 
     /// The control period seen last.
@@ -247,7 +247,7 @@ impl Desk {
     /// Says lines of a long answer while there is room.
     fn list(&mut self, board: &impl Board) {
         while let Some((listing, at)) = &mut self.listing {
-            if !self.output.fits_line(answer::LINE) {
+            if self.output.is_behind() {
                 return;
             }
             if *at >= listing.lines(board) {

@@ -4,8 +4,11 @@ use heapless::Deque;
 
 /// Room for waiting bytes; at 921 600 baud 22 ms.
 const ROOM: usize = 2048;
-/// Bytes kept free for text, so that frames never crowd out an answer.
+/// Bytes kept free for text, so that frames never crowd out news.
 const FOR_TEXT: usize = 768;
+/// Bytes that may wait before another command is taken up or a line of a long answer said. Below the rest of the
+/// room, so that a flood of commands slows its own answers down and never costs a frame.
+const BACKLOG: usize = 512;
 
 /// What waits for the serial line. Text waits for room, a frame that finds none is dropped and counted.
 #[derive(Debug, Clone, Default)]
@@ -46,6 +49,12 @@ impl Output {
 
     fn free(&self) -> usize {
         ROOM - self.bytes.len()
+    }
+
+    /// Enough waits: the next answer has time.
+    #[must_use]
+    pub(super) fn is_behind(&self) -> bool {
+        self.bytes.len() >= BACKLOG
     }
 
     /// Room for a line of so many bytes with its end.

@@ -57,9 +57,9 @@ impl Settings {
     /// give energy, a coupling outside its stability bounds.
     pub fn validate(&self, device: &Device) -> Result<Option<Warning>, Refused> {
         self.levels(device)?;
+        within("mass", self.mass, 1e-3, HEAVIEST, "kg")?;
         self.damping(device)?;
         within("dv", self.dv, SLOWEST, device.overspeed, "m/s; taken for zero below it")?;
-        within("mass", self.mass, 1e-3, HEAVIEST, "kg")?;
         self.coupling(device)?;
         self.bristles(device)?;
         self.block(device)?;
