@@ -202,6 +202,12 @@ impl Machine {
         self.shared.soc().press_stop(pressed);
     }
 
+    /// Writes a register as a fault of the hardware would, behind the firmware's back.
+    pub fn poke(&mut self, address: u32, value: u32) {
+        self.shared.soc().write(address, value, self.now);
+        self.shared.touched.store(true, Relaxed);
+    }
+
     /// What really happened at the rig, up to 10 µs ahead.
     #[must_use]
     pub fn truth(&self) -> Truth {

@@ -1,0 +1,109 @@
+//! The firmware's ELF on the emulated board, and a terminal on its serial line.
+
+use emulator::firmware::{self, BuildError};
+use emulator::{Image, Machine};
+use link::{Decoder, Frame, Item, Sample, reply};
+use plant::RigConfig;
+use std::path::Path;
+use std::sync::OnceLock;
+
+/// The image, built once for all tests; `None` without a toolchain for the target.
+fn image() -> Option<&'static Image> {
+    static IMAGE: OnceLock<Option<Image>> = OnceLock::new();
+    IMAGE.get_or_init(build).as_ref()
+}
+
+fn build() -> Option<Image> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    // …/target/debug/deps/elf-…: below the target directory that cargo was told to use
+    let own = std::env::current_exe().expect("a test has a path");
+    let target = own.ancestors().nth(3).expect("cargo's layout");
+    match firmware::build(root, target) {
+        Ok(path) => {
+            let elf = std::fs::read(&path).expect("cargo said it is there");
+            Some(Image::parse(&elf).expect("an image for this chip"))
+        }
+        Err(why @ BuildError::NoToolchain) if std::env::var_os("CI").is_none() => {
+            eprintln!("SKIPPED: the firmware was not run in the emulator: {why}");
+            None
+        }
+        Err(why) => panic!("{why}"),
+    }
+}
+
+pub struct Board {
+    pub machine: Machine,
+    pub image: &'static Image,
+    decoder: Decoder,
+    pub lines: Vec<String>,
+    pub frames: Vec<(u32, Frame)>,
+    pub corrupt: usize,
+}
+
+impl Board {
+    /// Powers a board up, with the thesis's rig and nothing on its handle. `None`: see [`image`].
+    pub fn boot() -> Option<Self> {
+        let image = image()?;
+        let no_friction = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+        let machine = Machine::boot(image, RigConfig::free_handle(), no_friction, 1).expect("thesis rig");
+        let mut board = Self {
+            machine,
+            image,
+            decoder: Decoder::new(),
+            lines: Vec::new(),
+            frames: Vec::new(),
+            corrupt: 0,
+        };
+        board.run(50.0);
+        Some(board)
+    }
+
+    pub fn run(&mut self, ms: f64) {
+        self.machine.run_for(ms);
+        for byte in self.machine.serial_read() {
+            match self.decoder.push(byte) {
+                Some(Item::Text(line)) => self.lines.push(line.to_owned()),
+                Some(Item::Frame(seq, frame)) => self.frames.push((seq, frame)),
+                Some(Item::Corrupt(_)) => self.corrupt += 1,
+                None => {}
+            }
+        }
+    }
+
+    /// Types bytes; the lines that came until `ms` after.
+    pub fn say(&mut self, bytes: &[u8], ms: f64) -> Vec<String> {
+        self.lines.clear();
+        self.machine.serial_write(bytes);
+        self.run(ms);
+        self.lines.clone()
+    }
+
+    /// One command; its answer and the lines that belong to it.
+    pub fn ask(&mut self, command: &str) -> Vec<String> {
+        self.lines.clear();
+        self.machine.serial_write(format!("{command}\n").as_bytes());
+        for _ in 0..200 {
+            self.run(5.0);
+            let Some(at) = self.lines.iter().position(|line| reply::is_answer(line)) else { continue };
+            let end = at + 1 + reply::lines_to_follow(&self.lines[at]);
+            if self.lines.len() >= end {
+                return self.lines[at..end].to_vec();
+            }
+        }
+        panic!("`{command}` was not answered within 1 s: {:?}, {}", self.lines, self.machine.whereabouts());
+    }
+
+    /// One command that is obeyed.
+    pub fn ok(&mut self, command: &str) -> String {
+        let answer = self.ask(command).swap_remove(0);
+        assert!(answer.starts_with("ok"), "{command}: {answer}");
+        answer
+    }
+
+    pub fn samples(&self) -> impl Iterator<Item = (u32, Sample)> {
+        self.frames.iter().filter_map(|(seq, frame)| match frame {
+            Frame::Sample(sample) => Some((*seq, *sample)),
+            Frame::Header(_) => None,
+        })
+    }
+}

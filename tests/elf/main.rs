@@ -1,0 +1,196 @@
+//! The ELF that would be flashed, on an emulated STM32G474 around the simulated rig.
+//!
+//! Cycles are those of an interpreter without flash wait states: a lower bound for the hardware.
+#![cfg(not(target_os = "none"))]
+
+mod agreement;
+mod board;
+mod safety;
+
+use board::Board;
+use haptics::ModeId;
+use link::Frame;
+
+/// Distance of the force's output from the end of conversion, µs: 34 µs after the trigger that 14.3 µs precede.
+const LATENCY_US: f64 = 19.7;
+
+#[test]
+fn every_timer_interrupt_runs_a_step_and_none_is_missed_under_full_load() {
+    let Some(mut board) = Board::boot() else { return };
+    let idle = board.machine.statistics();
+    println!(
+        "idle      first step {:.1} ms after power-on; control interrupt {:.0} ({:.0} to {:.0}) cycles; core awake {:.1} %",
+        board.machine.first_step_ms().expect("it has run"),
+        idle.step_cycles.mean(),
+        idle.step_cycles.min,
+        idle.step_cycles.max,
+        100.0 * idle.load(),
+    );
+    board.ok("preset use rubber");
+    board.ok("render on");
+    board.ok("stream on");
+    // slides, turns and sticks
+    board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (6.0 * t).sin() - 5.0 * v);
+    board.run(10.0);
+    board.machine.reset_statistics();
+    let periods = 5_000;
+    for _ in 0..periods / 50 {
+        board.run(50.0);
+    }
+    let s = board.machine.statistics();
+    println!(
+        "full load {} triggers, {} steps, {} missed, {} late; control interrupt {:.0} ({:.0} to {:.0}) cycles; core awake {:.1} %",
+        s.triggers,
+        s.steps,
+        s.missed,
+        s.stale_outputs,
+        s.step_cycles.mean(),
+        s.step_cycles.min,
+        s.step_cycles.max,
+        100.0 * s.load(),
+    );
+    println!(
+        "          end of conversion to: encoder read {:.2} to {:.2} us, force ready {:.2} to {:.2} us, force out {:.2} us (spread {:.3} us)",
+        s.sampling_us.min,
+        s.sampling_us.max,
+        s.compute_us.min,
+        s.compute_us.max,
+        s.latency_us.mean(),
+        s.latency_us.spread(),
+    );
+    println!(
+        "          flash {} B of 524288, static RAM {} B and stack {} B of 98304; watchdog fed every {:.2} to {:.2} ms",
+        board.image.flash_bytes,
+        board.image.ram_bytes,
+        board.machine.stack_bytes(),
+        s.watchdog_gap_ms.min,
+        s.watchdog_gap_ms.max,
+    );
+    assert_eq!((s.triggers, s.steps), (periods, periods));
+    assert_eq!((s.missed, s.stale_outputs), (0, 0));
+    assert!((s.latency_us.mean() - LATENCY_US).abs() < 0.1 && s.latency_us.spread() < 0.01, "{:?}", s.latency_us);
+    assert!((s.output_period_us.min - 1000.0).abs() < 0.01 && s.output_period_us.spread() < 0.01);
+    assert!(board.machine.resets().is_empty(), "{:?}", board.machine.resets());
+    assert!(board.machine.violations().is_empty(), "{:?}", board.machine.violations());
+    let used = board.image.ram_bytes + board.machine.stack_bytes() as usize;
+    assert!(used < 96 * 1024 * 3 / 4, "{used} bytes of RAM: the stack comes near the data");
+    let status = board.ok("status");
+    assert!(status.contains(" 0 late, 0 not seen") && status.ends_with(" 0 frames dropped"), "{status}");
+}
+
+#[test]
+fn it_answers_and_what_it_answers_is_felt_on_the_handle() {
+    let Some(mut board) = Board::boot() else { return };
+    println!("{}", board.ok("version"));
+    let presets = board.ok("preset list");
+    println!("{presets}");
+    for name in ["brass", "teflon", "rubber"] {
+        assert!(presets.contains(name), "{presets}");
+    }
+    assert!(!board.machine.amplifier_on());
+    board.ok("preset use rubber");
+    board.ok("render on");
+    assert!(board.machine.amplifier_on());
+    // below rubber's break-away: held, by a force as large as the hand's
+    board.machine.set_hand(|_: f64, _: f64, _: f64| 2.0);
+    board.run(400.0);
+    let held = board.machine.truth();
+    board.run(400.0);
+    let later = board.machine.truth();
+    let crept = later.position - held.position;
+    println!("2 N for 0.8 s: handle {:.1} um, crept {:.2} um, force {:.2} N", 1e6 * later.position, 1e6 * crept, board.machine.force());
+    assert!(crept.abs() < 3e-6 && later.position.abs() < 1e-3);
+    assert!((board.machine.force() + 2.0).abs() < 0.2);
+    // beyond it: slides
+    board.machine.set_hand(|_: f64, _: f64, v: f64| 5.0 - 20.0 * v);
+    board.run(60.0);
+    let moved = board.machine.truth();
+    println!("5 N for 0.06 s: handle {:.2} mm, {:.1} mm/s", 1e3 * moved.position, 1e3 * moved.velocity);
+    assert!(moved.position > 1e-3 && moved.velocity > 0.01);
+    board.ok("render off");
+    assert!(!board.machine.amplifier_on());
+    assert_eq!(board.machine.force(), 0.0);
+}
+
+#[test]
+fn garbage_is_answered_and_changes_nothing() {
+    let Some(mut board) = Board::boot() else { return };
+    board.ok("preset use rubber");
+    let before = board.ask("get");
+    assert!(before.len() > 10, "{before:?}");
+    let long = [b"set f_static ".as_slice(), &[b'1'; 500], b"\n"].concat();
+    for (bytes, code) in [
+        (b"rendre on\n".as_slice(), "UNKNOWN"),
+        (b"render\n", "SYNTAX"),
+        (b"\xff\xfe\x00set dv 9\n", "NOT_TEXT"),
+        (b"set f_static NaN\n", ""),
+        (b"set f_static 1e9\n", ""),
+        (b"set k_vc -inf\n", ""),
+        (b"preset use granite\n", "NO_PRESET"),
+        (b"move sine 1 2\n", ""),
+        (&long, "TOO_LONG"),
+    ] {
+        let said = board.say(bytes, 30.0);
+        println!("{:40} {}", String::from_utf8_lossy(&bytes[..bytes.len().min(30)]).escape_debug(), said.join(" | "));
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].starts_with(&format!("err {code}")), "{said:?}");
+    }
+    // half a line is none, until its other half comes
+    assert!(board.say(b"preset use br", 200.0).is_empty());
+    assert_eq!(board.ok("ass\x7f\x7f\x7f\x7f\x7frubber"), "ok rubber");
+    assert_eq!(board.ask("get"), before);
+    assert!(!board.machine.amplifier_on());
+}
+
+#[test]
+fn a_page_pasted_at_once_is_obeyed_line_by_line() {
+    let Some(mut board) = Board::boot() else { return };
+    let page: String = (0..100).map(|k| format!("set f_dynamic 1.{k:02}\n")).collect();
+    let said = board.say(page.as_bytes(), 400.0);
+    let obeyed = said.iter().filter(|line| line.starts_with("ok")).count();
+    let refused = said.len() - obeyed;
+    println!("{} bytes at once: {obeyed} lines obeyed, {refused} refused, {} bytes lost by the receiver", page.len(), board.machine.serial_overruns());
+    assert_eq!(board.machine.serial_overruns(), 0);
+    // each obeyed line is one that was typed: never the halves of two
+    for line in said.iter().filter(|line| line.starts_with("ok")) {
+        let value = line.split_whitespace().find_map(|word| word.parse::<f64>().ok()).expect("a value");
+        assert!((1.0..2.0).contains(&value), "{line}");
+    }
+    assert!(obeyed >= 20, "{said:?}");
+    assert!(board.ok("get f_dynamic").starts_with("ok f_dynamic"), "in step again");
+}
+
+#[test]
+fn ten_seconds_of_frames_are_whole_and_in_step_with_the_rig() {
+    let Some(mut board) = Board::boot() else { return };
+    board.machine.set_hand(|t: f64, x: f64, v: f64| 400.0 * (0.01 * (6.0 * t).sin() - x) - 10.0 * v);
+    board.ok("stream on");
+    for _ in 0..200 {
+        board.run(50.0);
+        assert_eq!(board.corrupt, 0);
+    }
+    let Some((0, Frame::Header(header))) = board.frames.first().cloned() else { panic!("no header first") };
+    let samples: Vec<_> = board.samples().collect();
+    assert!(samples.len() >= 9_990, "{}", samples.len());
+    for pair in samples.windows(2) {
+        let [(seq, a), (next, b)] = pair else { unreachable!() };
+        assert_eq!(*next, seq + 1, "a frame was lost");
+        assert_eq!(b.step, a.step.wrapping_add(1));
+        let period = b.sample_ticks.wrapping_sub(a.sample_ticks);
+        assert!(period.abs_diff(header.period_ticks) < 170, "{period} ticks"); // 1 us
+        assert_eq!((b.mode, b.dropped), (ModeId::Idle.code(), 0));
+    }
+    let travel = samples.iter().map(|(_, s)| s.count).max().zip(samples.iter().map(|(_, s)| s.count).min());
+    let (most, least) = travel.expect("samples");
+    let truth = board.machine.truth().position;
+    let told = f64::from(samples.last().expect("samples").1.count) * f64::from(header.metre_per_count);
+    println!(
+        "{} frames, none lost or corrupt; travel {:.2} mm; last position {told:.6} m, truth {truth:.6} m",
+        samples.len(),
+        f64::from(most - least) * f64::from(header.metre_per_count) * 1e3
+    );
+    // the newest frame is some milliseconds old
+    assert!((told - truth).abs() < 1e-3);
+    assert!(most - least > 4_000, "the hand moved it");
+    assert!(board.ok("stream off").contains(" 0 frames dropped"));
+}
