@@ -1,0 +1,144 @@
+//! Signals made ready to be fitted: errors of the regressors, the velocity behind them, and the rows.
+
+use crate::identification::Units;
+use crate::moves::Moves;
+use crate::smoother::smooth;
+use crate::{Error, Errors, Signals};
+
+/// Error variances of the regressors: of every sample, or of the rows behind the filter.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Variances {
+    /// (m/s)².
+    pub velocity: f64,
+    /// (m/s²)².
+    pub acceleration: f64,
+}
+
+/// How well a residual fits.
+pub(crate) struct Goodness {
+    pub relative_error: f64,
+    pub residual_rms: f64,
+    pub r_squared: f64,
+}
+
+/// Signals with what every fit needs of them.
+pub(crate) struct Ready<'a> {
+    pub signals: &'a Signals,
+    pub units: Units,
+    pub dt: f64,
+    /// Velocity behind the noise, every sample, and its standard deviation.
+    pub velocity: Vec<f64>,
+    pub velocity_std: f64,
+    /// Distance slid up to each sample from the one before, m.
+    pub displacement: Vec<f64>,
+    /// Regressors and force behind the filter of the force: the rows.
+    pub acceleration_rows: Vec<f64>,
+    pub velocity_rows: Vec<f64>,
+    pub force_rows: Vec<f64>,
+    /// What is known of the errors in the regressors of the rows. Zero for least squares.
+    pub errors: Variances,
+    /// Number of each row.
+    pub at: Vec<usize>,
+    /// Length of the stroke, m, and root mean square step, m.
+    pub travel: f64,
+    pub step_rms: f64,
+}
+
+/// Fewest rows a law is fitted to.
+const FEWEST: usize = 30;
+
+impl<'a> Ready<'a> {
+    /// # Errors
+    /// Too few samples, or numbers that are not finite.
+    pub fn new(signals: &'a Signals, errors: Errors) -> Result<Self, Error> {
+        let refuse = |why: String| Err(Error::Recording { recording: signals.name.clone(), why });
+        let (measured, rows) = signals.error_variances();
+        let errors = match errors {
+            Errors::LeastSquares => Variances::default(),
+            Errors::Fuller => rows,
+            Errors::Declared { velocity, acceleration } => {
+                for (name, std) in [("velocity", velocity), ("acceleration", acceleration)] {
+                    if !(std.is_finite() && std >= 0.0) {
+                        return Err(Error::Parameter {
+                            parameter: format!("error std of {name}"),
+                            value: std.to_string(),
+                            accepted: "accepted is a finite number from 0".into(),
+                        });
+                    }
+                }
+                Variances { velocity: velocity * velocity, acceleration: acceleration * acceleration }
+            }
+        };
+        let dt = signals.dt;
+        let (velocity, velocity_std) =
+            smooth(&signals.velocity, &signals.acceleration, dt, measured.velocity, measured.acceleration);
+        let force_rows = signals.condition(&signals.force);
+        let finite = [&signals.position, &signals.velocity, &signals.acceleration, &signals.force]
+            .iter()
+            .all(|s| s.iter().all(|x| x.is_finite()));
+        if force_rows.len() < FEWEST || !(dt > 0.0 && dt.is_finite()) {
+            return refuse(format!("{} samples to fit, at least {FEWEST} are needed", force_rows.len()));
+        }
+        if !finite {
+            return refuse("a signal holds values that are not numbers".into());
+        }
+        // The better of two measurements of a step: the difference of positions, or velocity times time.
+        let position_error = 2.0 * crate::noise_variance(&signals.position);
+        let by_position = position_error < (velocity_std * dt).powi(2);
+        let mut displacement: Vec<f64> = vec![0.0];
+        if by_position {
+            displacement.extend(signals.position.windows(2).map(|w| w[1] - w[0]));
+        } else {
+            displacement.extend(velocity.windows(2).map(|w| 0.5 * (w[0] + w[1]) * dt));
+        }
+        let (low, high) =
+            signals.position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let step_rms = (displacement.iter().map(|d| d * d).sum::<f64>() / displacement.len() as f64).sqrt();
+        Ok(Self {
+            signals,
+            units: Units::of(signals.geometry),
+            dt,
+            acceleration_rows: signals.condition(&signals.acceleration),
+            velocity_rows: signals.condition(&signals.velocity),
+            at: (0..force_rows.len()).collect(),
+            force_rows,
+            velocity,
+            velocity_std,
+            displacement,
+            errors,
+            travel: high - low,
+            step_rms,
+        })
+    }
+
+    /// A column over every sample, as rows behind the filter of the force.
+    pub fn rows(&self, series: &[f64]) -> Vec<f64> {
+        self.signals.condition(series)
+    }
+
+    pub fn moves(&self) -> Moves {
+        Moves::of(&self.signals.position, &self.velocity, self.dt)
+    }
+
+    /// Samples in which a body that reverses at its usual acceleration crosses `distance`.
+    pub fn samples_to_cross(&self, distance: f64) -> usize {
+        let n = self.signals.acceleration.len().max(1) as f64;
+        let rms = (self.signals.acceleration.iter().map(|a| a * a).sum::<f64>() / n).sqrt();
+        ((2.0 * distance / rms.max(1e-12)).sqrt() / self.dt).ceil().clamp(1.0, 1e9) as usize
+    }
+
+    /// Relative error, rms and R² of a residual of the rows `at`.
+    pub fn goodness(force: &[f64], residual: &[f64]) -> Goodness {
+        let n = residual.len().max(1) as f64;
+        let squares = |s: &[f64]| s.iter().map(|x| x * x).sum::<f64>();
+        let (error, size) = (squares(residual), squares(force));
+        let mean = force.iter().sum::<f64>() / n;
+        let spread = size - n * mean * mean;
+        let share = |top: f64, bottom: f64| if bottom > 0.0 { top / bottom } else { 0.0 };
+        Goodness {
+            relative_error: share(error, size).sqrt(),
+            residual_rms: (error / n).sqrt(),
+            r_squared: 1.0 - share(error, spread),
+        }
+    }
+}
