@@ -3,9 +3,17 @@
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Borrow;
 
-/// Inner product.
+/// Inner product, in eight partial sums: one running sum would have to wait for itself at every term.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    let n = a.len().min(b.len());
+    let ((a, rest_a), (b, rest_b)) = (a[..n].as_chunks::<8>(), b[..n].as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for ((s, x), y) in sums.iter_mut().zip(a).zip(b) {
+            *s += x * y;
+        }
+    }
+    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(x, y)| x * y).sum::<f64>()
 }
 
 /// An orthonormal basis of the columns pushed so far.
@@ -39,16 +47,22 @@ impl Basis {
         true
     }
 
-    /// What is left of `column` outside the span; projected twice against rounding.
+    /// What is left of `column` outside the span; projected again where rounding could show.
     pub fn project_out(&self, column: &[f64]) -> Vec<f64> {
         let mut rest = column.to_vec();
-        for _ in 0..2 {
+        let mut size = dot(&rest, &rest);
+        for _ in 0..3 {
             for q in &self.columns {
                 let along = dot(q, &rest);
                 for (r, q) in rest.iter_mut().zip(q) {
                     *r -= along * q;
                 }
             }
+            let left = dot(&rest, &rest);
+            if left > 0.01 * size {
+                break;
+            }
+            size = left;
         }
         rest
     }
@@ -56,11 +70,6 @@ impl Basis {
     /// Squared length of the part of `column` inside the span.
     pub fn captured(&self, column: &[f64]) -> f64 {
         self.columns.iter().map(|q| dot(q, column).powi(2)).sum()
-    }
-
-    /// Number of independent directions.
-    pub fn len(&self) -> usize {
-        self.columns.len()
     }
 }
 
@@ -166,8 +175,7 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
         }
     }
     let mut meat = DMatrix::zeros(p, p);
-    for (b, n) in normals.iter().enumerate() {
-        let _ = b;
+    for n in &normals {
         let score = &n.moment - &n.gram * &solution;
         meat += &score * score.transpose();
     }
@@ -218,7 +226,7 @@ mod tests {
         assert!((fit.coefficients[0] - 2.0).abs() < 1e-9 && (fit.coefficients[1] + 3.0).abs() < 1e-9);
         assert!(fit.heldout_sum() < 1e-12);
         let basis = Basis::of(&[&a[..], &b[..], &y[..]]);
-        assert_eq!(basis.len(), 2);
+        assert_eq!(basis.columns.len(), 2);
         assert!(super::fit(&[&a[..], &vec![0.0; 400][..]], &y, &blocks, 10).is_none());
     }
 }

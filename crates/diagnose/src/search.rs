@@ -1,10 +1,11 @@
 //! Naming: a beam search over the catalogue with pair steps, each step tested against the best of a null
 //! catalogue and against a bootstrap of its held-out gain, then pruned backward.
 
-use crate::flips::{Family, block_scores, family, gain_interval};
+use crate::flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::linear::{Basis, Fit, dot, fit};
 use crate::term::{Scales, Stage, Term, TermKind, gather};
 use friction::effects::MAX_SHAPE;
+use rayon::prelude::*;
 
 /// Groups of blocks left out in turn.
 pub const FOLDS: usize = 10;
@@ -129,40 +130,18 @@ impl Catalogue {
                 terms.extend(scales.grid(kind).into_iter().map(|shape| (kind, shape)));
             }
         }
-        let workers = std::thread::available_parallelism().map_or(1, usize::from).min(8);
-        let chunk = terms.len().div_ceil(workers).max(1);
-        let evaluate = |terms: &[(TermKind, [f64; MAX_SHAPE])]| -> Vec<Atom> {
-            let mut out = Vec::new();
-            for (kind, shape) in terms {
-                let (clean, other) = (stage.all_columns(*kind, shape), noisy.all_columns(*kind, shape));
-                for (variant, groups) in kind.variants().iter().enumerate() {
-                    let term = Term { kind: *kind, shape: *shape, variant };
-                    let mut atom = Atom::of(gather(&clean, groups), &baseline, term);
-                    atom.reliable = reliability(&gather(&other, groups), &baseline, &atom);
-                    out.push(atom);
-                }
-            }
-            out
+        let evaluate = |(kind, shape): &(TermKind, [f64; MAX_SHAPE])| -> Vec<Atom> {
+            let (clean, other) = (stage.all_columns(*kind, shape), noisy.all_columns(*kind, shape));
+            let variant = |(variant, groups): (usize, &Vec<Vec<usize>>)| {
+                let term = Term { kind: *kind, shape: *shape, variant };
+                let mut atom = Atom::of(gather(&clean, groups), &baseline, term);
+                atom.reliable = reliability(&gather(&other, groups), &baseline, &atom);
+                atom
+            };
+            kind.variants().iter().enumerate().map(variant).collect()
         };
-        let atoms = std::thread::scope(|scope| {
-            // Interleaved, so that no worker gets all the costly effects.
-            let mut parts: Vec<Vec<(TermKind, [f64; MAX_SHAPE])>> = vec![Vec::with_capacity(chunk); workers];
-            for (i, term) in terms.into_iter().enumerate() {
-                parts[i % workers].push(term);
-            }
-            let handles: Vec<_> = parts.into_iter().map(|part| scope.spawn(move || evaluate(&part))).collect();
-            handles.into_iter().flat_map(|h| h.join().unwrap_or_default()).collect::<Vec<_>>()
-        });
-        let mut atoms = atoms;
-        // The order must not depend on the number of workers: everything random downstream hangs on it.
-        let order = |a: &Atom| TermKind::all().iter().position(|k| *k == a.term.kind).unwrap_or(usize::MAX);
-        atoms.sort_by(|a, b| {
-            order(a)
-                .cmp(&order(b))
-                .then(a.term.shape[0].total_cmp(&b.term.shape[0]))
-                .then(a.term.shape[1].total_cmp(&b.term.shape[1]))
-                .then(a.term.variant.cmp(&b.term.variant))
-        });
+        // In the order of the catalogue whatever the number of workers: everything random hangs on it.
+        let atoms = terms.par_iter().flat_map_iter(evaluate).collect();
         Self { atoms, baseline }
     }
 
@@ -249,19 +228,26 @@ impl Search<'_> {
     pub fn test(&self, parent: &Hypothesis, child: &Hypothesis, extra: &[Atom]) -> (Vec<Term>, Family) {
         let basis = Basis::of(&Hypothesis::columns(self.stage, &parent.atoms));
         let spread = (dot(&child.fit.residual, &child.fit.residual) / child.fit.residual.len().max(1) as f64).sqrt();
-        let (mut observed, mut noise, mut scale, mut terms) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for atom in self.catalogue.testable().into_iter().chain(extra) {
-            for column in &atom.columns {
+        let score = |atom: &&Atom| -> Vec<(Term, Scores, Scores, f64)> {
+            let of = |column: &Vec<f64>| {
                 let rest = basis.project_out(column);
                 let size = dot(&rest, &rest).sqrt();
-                if size <= 0.02 * dot(column, column).sqrt() {
-                    continue;
-                }
-                observed.push(block_scores(&rest, &parent.fit.residual, &self.stage.blocks));
-                noise.push(block_scores(&rest, &child.fit.residual, &self.stage.blocks));
-                scale.push(size * spread);
-                terms.push(atom.term);
-            }
+                (size > 0.02 * dot(column, column).sqrt()).then(|| {
+                    let blocks = &self.stage.blocks;
+                    let observed = block_scores(&rest, &parent.fit.residual, blocks);
+                    (atom.term, observed, block_scores(&rest, &child.fit.residual, blocks), size * spread)
+                })
+            };
+            atom.columns.iter().filter_map(of).collect()
+        };
+        let atoms: Vec<&Atom> = self.catalogue.testable().into_iter().chain(extra).collect();
+        let scores: Vec<_> = atoms.par_iter().flat_map_iter(score).collect();
+        let (mut observed, mut noise, mut scale, mut terms) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (t, o, n, s) in scores {
+            terms.push(t);
+            observed.push(o);
+            noise.push(n);
+            scale.push(s);
         }
         (terms, family(&observed, &noise, &scale, FLIPS, self.seed))
     }
@@ -330,18 +316,24 @@ impl Search<'_> {
         let basis = Basis::of(&Hypothesis::columns(self.stage, &from.atoms));
         let residual = &from.fit.residual;
         // The best shape of each effect, with and without shared directions.
+        let gains: Vec<(f64, &Atom, Vec<Vec<f64>>)> = self
+            .catalogue
+            .testable()
+            .into_par_iter()
+            .filter(|atom| !from.has(atom.term.kind))
+            .map(|atom| {
+                let rest: Vec<Vec<f64>> = atom.columns.iter().map(|c| basis.project_out(c)).collect();
+                (Basis::of(&rest).captured(residual), atom, rest)
+            })
+            .collect();
         let mut ranked: Vec<(f64, &Atom, Vec<Vec<f64>>)> = Vec::new();
-        for atom in self.catalogue.testable() {
-            if from.has(atom.term.kind) {
-                continue;
-            }
-            let rest: Vec<Vec<f64>> = atom.columns.iter().map(|c| basis.project_out(c)).collect();
-            let gain = captured(&Basis::of(&rest), residual);
-            let same = |other: &Atom| other.term.kind == atom.term.kind && other.term.variant == atom.term.variant;
+        for entry in gains {
+            let term = entry.1.term;
+            let same = |other: &Atom| other.term.kind == term.kind && other.term.variant == term.variant;
             match ranked.iter_mut().find(|(_, a, _)| same(a)) {
-                Some(entry) if entry.0 < gain => *entry = (gain, atom, rest),
+                Some(best) if best.0 < entry.0 => *best = entry,
                 Some(_) => {}
-                None => ranked.push((gain, atom, rest)),
+                None => ranked.push(entry),
             }
         }
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -354,7 +346,7 @@ impl Search<'_> {
                         continue;
                     }
                     let both: Vec<&[f64]> = rest_a.iter().chain(rest_b).map(Vec::as_slice).collect();
-                    let gain = captured(&Basis::of(&both), residual);
+                    let gain = Basis::of(&both).captured(residual);
                     if gain > 1.05 * alone_a.max(*alone_b) {
                         pairs.push((gain, vec![(*a).clone(), (*b).clone()]));
                     }
@@ -364,7 +356,7 @@ impl Search<'_> {
             trials.extend(pairs.into_iter().take(8).map(|(_, p)| p));
         }
         trials
-            .into_iter()
+            .into_par_iter()
             .filter_map(|new| {
                 let atoms = from.atoms.iter().cloned().chain(new).collect();
                 Hypothesis::new(self.stage, atoms)
@@ -388,7 +380,7 @@ impl Search<'_> {
                     let mut trial = Atom::new(self.stage, &self.catalogue.baseline, term);
                     trial.reliable = atom.reliable;
                     let rest: Vec<Vec<f64>> = trial.columns.iter().map(|c| basis.project_out(c)).collect();
-                    (captured(&Basis::of(&rest), &target), trial)
+                    (Basis::of(&rest).captured(&target), trial)
                 };
                 let improved = self.golden(&atom, axis, value);
                 if let Some(improved) = improved {
@@ -441,11 +433,6 @@ impl Search<'_> {
         let found = if at_c.0 > at_d.0 { at_c } else { at_d };
         (is_testable(&found.1)).then_some(found.1)
     }
-}
-
-/// Squared length of the part of `residual` inside the span.
-fn captured(basis: &Basis, residual: &[f64]) -> f64 {
-    basis.captured(residual)
 }
 
 fn kinds_of(h: &Hypothesis) -> Vec<&'static str> {

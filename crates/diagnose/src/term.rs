@@ -197,25 +197,19 @@ impl Stage {
     }
 
     fn force_columns(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
-        let gains = kind.gains().len().min(MAX_GAINS);
-        let mut out = vec![Vec::with_capacity(self.weight.len()); gains];
-        for (series, track) in self.force_series(kind, shape).iter().zip(&self.tracks) {
-            for (column, series) in out.iter_mut().zip(series) {
-                track.filtered_rows(series, column);
-            }
+        match kind.gains().len() {
+            0 | 1 => self.force_lanes::<1>(kind, shape),
+            2 => self.force_lanes::<2>(kind, shape),
+            3 => self.force_lanes::<3>(kind, shape),
+            _ => self.force_lanes::<MAX_GAINS>(kind, shape),
         }
-        for column in &mut out {
-            self.weigh(column);
-        }
-        out
     }
 
-    /// Force per unit gain at every sample, before the filter; memory runs through the gaps of a recording.
-    fn force_series(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<Vec<f64>>> {
-        let gains = kind.gains().len().min(MAX_GAINS);
+    /// Force per unit of each of `L` gains, filtered; memory runs through the gaps of a recording.
+    fn force_lanes<const L: usize>(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
         let mut memory = [0.0; MAX_MEMORY];
         let mut previous: Option<&Track> = None;
-        let mut all = Vec::with_capacity(self.tracks.len());
+        let mut out = vec![Vec::with_capacity(self.weight.len()); L];
         for track in &self.tracks {
             match previous {
                 Some(last) if last.raw.recording == track.raw.recording => {
@@ -228,17 +222,19 @@ impl Stage {
                 }
                 _ => memory = [0.0; MAX_MEMORY],
             }
-            let mut series = vec![Vec::with_capacity(track.len()); gains];
-            for i in 0..track.len() {
-                let unit = kind.unit(shape, &mut memory, &motion(track, i));
-                for (s, u) in series.iter_mut().zip(unit) {
-                    s.push(if u.is_finite() { u } else { 0.0 });
-                }
-            }
-            all.push(series);
+            let series: Vec<[f64; L]> = (0..track.len())
+                .map(|i| {
+                    let unit = kind.unit(shape, &mut memory, &motion(track, i));
+                    std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
+                })
+                .collect();
+            track.filtered_rows(&series, &mut out);
             previous = Some(track);
         }
-        all
+        for column in &mut out {
+            self.weigh(column);
+        }
+        out
     }
 }
 
@@ -278,8 +274,6 @@ impl Term {
 /// Scales of a set of stretches, from which the shapes worth trying follow.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scales {
-    /// Period of the samples, s.
-    pub dt: f64,
     /// Length of the recording, s.
     pub duration: f64,
     /// 99 % quantile of |v|.
@@ -302,7 +296,6 @@ impl Scales {
         let largest = |of: &dyn Fn(&Track) -> f64| tracks.iter().map(of).fold(0.0, f64::max);
         let magnitude = |series: &[f64]| quantile(&series.iter().map(|x| x.abs()).collect::<Vec<_>>(), 0.99);
         Self {
-            dt: largest(&|t| t.raw.dt),
             duration: largest(&|t| t.len() as f64 * t.raw.dt),
             speed: largest(&|t| magnitude(&t.v)),
             slow: largest(&|t| t.guard()),
@@ -325,10 +318,10 @@ impl Scales {
             "s" if name.contains("lag") || name.contains("delay") => {
                 (0.5 / (20.0 * self.cutoff), 0.1 * self.duration.min(20.0 / self.cutoff), true)
             }
-            "s" => (0.03 * self.duration, self.duration, true),
             "N" | "N·m" => (0.3 * self.force, 0.95 * self.force, false),
             "m" | "rad" if is_wave(name) => (span / 40.0, 1.5 * span, true),
             "s" if name.contains("rest") => (1.0 / self.cutoff, 0.3 * self.duration, true),
+            "s" => (0.03 * self.duration, self.duration, true),
             "m" | "rad" if name == "x_max" => (self.stroke.0 + 0.6 * span, self.stroke.1 - 0.02 * span, false),
             "m" | "rad" if name == "x_min" => (self.stroke.0 + 0.02 * span, self.stroke.1 - 0.6 * span, false),
             "m" | "rad" if is_place(name) => (self.stroke.0 + 0.05 * span, self.stroke.1 - 0.05 * span, false),

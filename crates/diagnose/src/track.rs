@@ -289,9 +289,21 @@ impl Track {
         }
     }
 
-    /// The same for a series that has to pass the filter first.
-    pub fn filtered_rows(&self, series: &[f64], out: &mut Vec<f64>) {
-        self.rows(&self.filter.apply(series), out);
+    /// The same for several series at once, unfiltered, each onto its own column.
+    pub fn filtered_rows<const L: usize>(&self, series: &[[f64; L]], out: &mut [Vec<f64>]) {
+        let filtered = self.filter.apply_lanes(series);
+        let share = 1.0 / self.stride as f64;
+        for (samples, mask) in filtered.chunks_exact(self.stride).zip(self.mask.chunks_exact(self.stride)) {
+            let mut sum = [0.0; L];
+            for (x, m) in samples.iter().zip(mask) {
+                for (s, x) in sum.iter_mut().zip(x) {
+                    *s += x * m;
+                }
+            }
+            for (column, s) in out.iter_mut().zip(sum) {
+                column.push(s * share);
+            }
+        }
     }
 
     /// Unfiltered columns of the baseline: mass, Coulomb and viscous force for either direction.
