@@ -128,7 +128,7 @@ fn garbage_is_answered_and_changes_nothing() {
         (b"set k_vc -inf\n", ""),
         (b"preset use granite\n", "NO_PRESET"),
         (b"move sine 1 2\n", ""),
-        (&long, "TOO_LONG"),
+        (&long, "TOO_LONG: a line of 513 bytes"),
     ] {
         let said = board.say(bytes, 30.0);
         println!("{:40} {}", String::from_utf8_lossy(&bytes[..bytes.len().min(30)]).escape_debug(), said.join(" | "));

@@ -18,6 +18,11 @@ use std::sync::atomic::Ordering::Relaxed;
 /// RAM before power-on, to see how deep the stack went.
 const PAINT: u8 = 0xc5;
 
+/// Where xPSR keeps ITSTATE.
+const IT_STATE: u32 = 0x0600_fc00;
+/// Offset of xPSR in an exception frame.
+const FRAME_XPSR: u64 = 28;
+
 /// A board with the rig on it.
 pub struct Machine {
     cpu: ArmV7m,
@@ -113,7 +118,7 @@ impl Machine {
             self.shared.now.store(self.now, Relaxed);
             let before = self.now;
             let was_asleep = self.cpu.is_asleep() || self.cpu.is_locked_up();
-            let cycles = self.cpu.step();
+            let cycles = self.step();
             if was_asleep && (self.cpu.is_asleep() || self.cpu.is_locked_up()) {
                 // nothing but an event can wake it
                 self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
@@ -127,6 +132,28 @@ impl Machine {
                 self.reset(ResetCause::Software);
             }
         }
+    }
+
+    /// One instruction, or the entry of one exception.
+    ///
+    /// rsemu 0.0.7 stacks xPSR without ITSTATE: after an interrupt within an IT block the rest of the block would run
+    /// whatever its condition. A core keeps it (ARMv7-M, B1.5.6), so it is put back into the frame here.
+    fn step(&mut self) -> u64 {
+        let it = self.cpu.xpsr() & IT_STATE;
+        if it == 0 {
+            return self.cpu.step();
+        }
+        let (stack, exception) = (self.cpu.msp(), self.cpu.current_exception());
+        let cycles = self.cpu.step();
+        let frame = self.cpu.msp();
+        if frame < stack && self.cpu.current_exception() != exception {
+            let at = u64::from(frame.wrapping_sub(RAM_BASE)) + FRAME_XPSR;
+            let mut word = [0; 4];
+            if self.ram.read_at(at, &mut word).is_ok() {
+                let _ = self.ram.write_at(at, &(u32::from_le_bytes(word) | it).to_le_bytes());
+            }
+        }
+        cycles
     }
 
     fn account(&mut self, before: u64, asleep: bool, cycles: u64) {
