@@ -46,45 +46,44 @@ impl LowSpeed<'_> {
     /// Finds the levels.
     pub fn find(&self) -> StaticLevels {
         let fastest = self.velocity.iter().fold(0.0f64, |m, v| if v.is_finite() { m.max(v.abs()) } else { m });
-        // Below this a body may be at rest: three deviations of its velocity, or its resolution.
+        // Below this a body may be at rest: three deviations of its velocity, or its resolution. The errors of a
+        // smoothed velocity last longer than a break-away, so samples beyond are beyond together.
         let rest = (3.0 * self.velocity_std).max(2e-3 * fastest);
         let events = self.events(rest, TOP * fastest);
         let mut out = StaticLevels::default();
         for event in &events {
             out.events[event.way] += 1;
         }
-        // Samples at which the body surely moves: two deviations.
-        let moving = (2.0 * self.velocity_std).max(1e-3 * fastest);
-        out.delta_v = self.step(&events, moving, TOP * fastest);
-        let (top, blur) = match out.delta_v {
-            Some((dv, _)) => (dv, (1.5 * self.velocity_std).min(0.25 * dv)),
-            None => (3.0 * rest, 0.0),
+        out.delta_v = self.step(&events);
+        let top = match out.delta_v {
+            Some((dv, _)) => dv - (1.5 * self.velocity_std).min(0.25 * dv),
+            None => 3.0 * rest,
         };
         for way in 0..2 {
-            out.levels[way] = self.level(&events, way, moving.min(0.4 * top), top - blur);
+            out.levels[way] = self.level(&events, way, top);
         }
         out
     }
 
+    /// Where the body leaves rest for good: from the first sample that surely moves to the one at `top`.
     fn events(&self, rest: f64, top: f64) -> Vec<Event> {
         let v = self.velocity;
         let mut out = Vec::new();
         let mut k = 0;
         while k < v.len() {
-            // leave the band of rest …
-            if v[k].abs() > rest || !v[k].is_finite() {
+            if !(v[k].abs() <= rest) {
                 k += 1;
                 continue;
             }
-            let Some(leaves) = (k..v.len()).find(|i| v[*i].abs() > rest) else { break };
-            let way = usize::from(v[leaves] < 0.0);
+            let Some(start) = (k..v.len()).find(|i| v[*i].abs() > rest) else { break };
+            let way = usize::from(v[start] < 0.0);
             let sign = if way == 0 { 1.0 } else { -1.0 };
-            // … having come from rest and not straight through from the other direction: slower than a deviation on
-            // average for as long as it takes to leave
-            let start = (k..leaves).rev().find(|i| sign * v[*i] <= 0.0).unwrap_or(k);
-            let end = (leaves..v.len()).find(|i| sign * v[*i] > top || sign * v[*i] < 0.0).unwrap_or(v.len());
-            out.push(Event { way, samples: (start..end).collect() });
-            k = end.max(leaves + 1);
+            let end = (start..v.len()).find(|i| !(sign * v[*i] > rest && sign * v[*i] <= top)).unwrap_or(v.len());
+            // An excursion that falls back to rest is noise, or creep that says nothing about a step.
+            if v.get(end).is_some_and(|v| sign * v > top) {
+                out.push(Event { way, samples: (start..end).collect() });
+            }
+            k = end.max(start + 1);
         }
         out
     }
@@ -102,23 +101,22 @@ impl LowSpeed<'_> {
         })
     }
 
-    /// The speed at which friction steps from static to sliding, in both directions at once.
-    fn step(&self, events: &[Event], moving: f64, top: f64) -> Option<(f64, f64)> {
+    /// The speed at which friction steps down from static to sliding, in both directions at once.
+    fn step(&self, events: &[Event]) -> Option<(f64, f64)> {
         let mut ways = [0, 1].map(|way| {
-            let mut s: Vec<(f64, f64)> =
-                self.excess(events, way).filter(|(speed, _)| *speed > moving && *speed < top).collect();
+            let mut s: Vec<(f64, f64)> = self.excess(events, way).collect();
             s.sort_by(|a, b| a.0.total_cmp(&b.0));
             s
         });
         let mut speeds: Vec<f64> = ways.iter().flatten().map(|(speed, _)| *speed).collect();
         speeds.sort_by(f64::total_cmp);
-        // What a level below `dv` explains: the squared sum over the number, per direction.
+        // What levels above sliding friction, one a direction, explain below `dv`: squared sum over number.
         let explained = |ways: &[Vec<(f64, f64)>; 2], dv: f64| -> f64 {
             ways.iter()
                 .map(|s| {
                     let n = s.partition_point(|(speed, _)| *speed <= dv);
                     let sum: f64 = s[..n].iter().map(|(_, e)| *e).sum();
-                    if n == 0 { 0.0 } else { sum * sum / n as f64 }
+                    if n == 0 { 0.0 } else { sum.max(0.0).powi(2) / n as f64 }
                 })
                 .sum()
         };
@@ -143,22 +141,46 @@ impl LowSpeed<'_> {
         }
         let mean = places.iter().sum::<f64>() / places.len().max(1) as f64;
         let jackknife = 7.0 / 8.0 * places.iter().map(|p| (p - mean).powi(2)).sum::<f64>();
-        let near = speeds.iter().filter(|s| (*s - dv).abs() < 0.5 * dv).count().max(1) as f64;
-        let resolution = dv / near / 12f64.sqrt();
-        let blur = self.velocity_std / (events.len().max(1) as f64).sqrt();
-        Some((dv, (jackknife + resolution * resolution + blur * blur).sqrt()))
+        let (dv, gap) = self.between(events, dv);
+        let count = events.len().max(1) as f64;
+        // Blur averages out over events; what lies between two samples does not, where a motion repeats itself.
+        let resolution = gap * gap / 12.0 + self.velocity_std.powi(2) / count;
+        Some((dv, (jackknife + resolution).sqrt()))
     }
 
-    fn level(&self, events: &[Event], way: usize, from: f64, to: f64) -> Option<(f64, f64)> {
-        let inside: Vec<(f64, f64)> =
-            self.excess(events, way).filter(|(speed, _)| *speed >= from && *speed <= to).collect();
+    /// Friction fell between two samples of each event: the middle of them, and how far they are apart, on average.
+    fn between(&self, events: &[Event], dv: f64) -> (f64, f64) {
+        let pairs: Vec<(f64, f64)> = events
+            .iter()
+            .filter_map(|e| {
+                let last = e.samples.iter().rev().find(|i| self.velocity[**i].abs() <= dv)?;
+                Some((self.velocity[*last].abs(), self.velocity.get(last + 1)?.abs()))
+            })
+            .collect();
+        let n = pairs.len() as f64;
+        if pairs.is_empty() {
+            return (dv, 0.0);
+        }
+        let mean = |f: fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>() / n;
+        (mean(|p| 0.5 * (p.0 + p.1)), mean(|p| p.1 - p.0))
+    }
+
+    fn level(&self, events: &[Event], way: usize, top: f64) -> Option<(f64, f64)> {
+        let mut inside: Vec<f64> = self
+            .excess(events, way)
+            .filter(|(speed, _)| *speed <= top)
+            .map(|(speed, e)| e + self.sliding(way, speed))
+            .collect();
+        inside.sort_by(f64::total_cmp);
+        // A sample that was still at rest carries any force up to D: it stands out, and does not count.
+        let middle = inside.get(inside.len() / 2).copied()?;
+        inside.retain(|f| (f - middle).abs() <= 3.0 * self.noise);
         let n = inside.len() as f64;
         if inside.len() < 2 {
             return None;
         }
-        let level = inside.iter().map(|(speed, e)| e + self.sliding(way, *speed)).sum::<f64>() / n;
-        let scatter =
-            inside.iter().map(|(speed, e)| (e + self.sliding(way, *speed) - level).powi(2)).sum::<f64>() / (n - 1.0);
+        let level = inside.iter().sum::<f64>() / n;
+        let scatter = inside.iter().map(|f| (f - level).powi(2)).sum::<f64>() / (n - 1.0);
         let per_sample = scatter.max(self.noise * self.noise);
         Some((level.max(0.0), (per_sample / (n * self.independence).max(1.0)).sqrt()))
     }
