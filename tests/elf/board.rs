@@ -3,7 +3,6 @@
 use emulator::firmware::{self, BuildError};
 use emulator::{Image, Machine};
 use link::{Decoder, Frame, Item, Sample, reply};
-use plant::RigConfig;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -44,8 +43,7 @@ impl Board {
     /// Powers a board up, with the thesis's rig and nothing on its handle. `None`: see [`image`].
     pub fn boot() -> Option<Self> {
         let image = image()?;
-        let no_friction = friction::Custom(|_: &friction::Motion<f64>| 0.0);
-        let machine = Machine::boot(image, RigConfig::free_handle(), no_friction, 1).expect("thesis rig");
+        let machine = Machine::free_handle(image, 1);
         let mut board = Self {
             machine,
             image,

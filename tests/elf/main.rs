@@ -161,17 +161,17 @@ fn a_page_pasted_at_once_is_obeyed_line_by_line() {
 }
 
 #[test]
-fn ten_seconds_of_frames_are_whole_and_in_step_with_the_rig() {
+fn five_seconds_of_frames_are_whole_and_in_step_with_the_rig() {
     let Some(mut board) = Board::boot() else { return };
     board.machine.set_hand(|t: f64, x: f64, v: f64| 400.0 * (0.01 * (6.0 * t).sin() - x) - 10.0 * v);
     board.ok("stream on");
-    for _ in 0..200 {
+    for _ in 0..100 {
         board.run(50.0);
         assert_eq!(board.corrupt, 0);
     }
     let Some((0, Frame::Header(header))) = board.frames.first().cloned() else { panic!("no header first") };
     let samples: Vec<_> = board.samples().collect();
-    assert!(samples.len() >= 9_990, "{}", samples.len());
+    assert!(samples.len() >= 4_990, "{}", samples.len());
     for pair in samples.windows(2) {
         let [(seq, a), (next, b)] = pair else { unreachable!() };
         assert_eq!(*next, seq + 1, "a frame was lost");

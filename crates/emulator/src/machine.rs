@@ -91,6 +91,14 @@ impl Machine {
         })
     }
 
+    /// A board with the thesis's rig and nothing on its handle but what the firmware renders.
+    #[must_use]
+    pub fn free_handle(image: &Image, seed: u64) -> Self {
+        let no_block = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+        // built here, not by the caller, so that the rig is optimised as this crate is
+        Self::boot(image, RigConfig::free_handle(), no_block, seed).expect("the thesis's rig is within its ranges")
+    }
+
     /// Runs for this many virtual milliseconds.
     pub fn run_for(&mut self, ms: f64) {
         self.run_until(self.now + (ms * UNITS_PER_MS as f64) as u64, |_| false);
