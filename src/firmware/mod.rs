@@ -28,7 +28,7 @@ async fn main(spawner: Spawner) {
     let peripherals = Peripherals::boot();
     defmt::info!("tribos {=str}, started by {}", env!("CARGO_PKG_VERSION"), peripherals.reset_cause);
     let desk = DESK.init_with(|| Desk::new(Nucleo.device()));
-    // the first preset suits the device of this board: tests/elf.rs sees it run. If it ever did not, nothing would
+    // the first preset suits the device of this board: tests/elf sees it run. If it ever did not, nothing would
     // run and nothing be driven.
     let Ok(config) = desk.config() else { panic!("the first preset does not suit this device") };
     let (control, ends) = QUEUES.take().split();

@@ -33,7 +33,11 @@ pub async fn run(mut watchdog: IndependentWatchdog<'static, IWDG>, mut lamp: Out
         last = steps;
         let now_late = board::late_steps();
         if now_late != late {
-            defmt::warn!("{=u32} forces came out late, worst step {=u32} cycles", now_late, board::worst_cycles());
+            defmt::warn!(
+                "{=u32} forces came out late, worst step {=u32} cycles",
+                now_late,
+                board::worst_cycles()
+            );
             late = now_late;
         }
     }

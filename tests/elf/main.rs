@@ -11,8 +11,8 @@ use board::Board;
 use haptics::ModeId;
 use link::Frame;
 
-/// Distance of the force's output from the end of conversion, µs: 34 µs after the trigger that 14.3 µs precede.
-const LATENCY_US: f64 = 19.7;
+/// Distance of the force's output from the end of conversion, µs: 60 µs after the trigger, of which the conversions take 14.3 µs.
+const LATENCY_US: f64 = 45.7;
 
 #[test]
 fn every_timer_interrupt_runs_a_step_and_none_is_missed_under_full_load() {
@@ -26,8 +26,18 @@ fn every_timer_interrupt_runs_a_step_and_none_is_missed_under_full_load() {
         idle.step_cycles.max,
         100.0 * idle.load(),
     );
-    board.ok("preset use rubber");
+    board.machine.reset_statistics();
     board.ok("render on");
+    for preset in ["brass", "teflon", "viscous", "rubber"] {
+        board.ok(&format!("preset use {preset}"));
+    }
+    let swap = board.machine.statistics();
+    println!(
+        "swapping  control interrupt at most {:.0} cycles, force ready after {:.2} us",
+        swap.step_cycles.max, swap.compute_us.max
+    );
+    // half of the time there is, for the wait states that the emulator does not have
+    assert!(swap.compute_us.max < LATENCY_US / 2.0, "{:?}", swap.compute_us);
     board.ok("stream on");
     // slides, turns and sticks
     board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (6.0 * t).sin() - 5.0 * v);
@@ -67,8 +77,13 @@ fn every_timer_interrupt_runs_a_step_and_none_is_missed_under_full_load() {
         s.watchdog_gap_ms.max,
     );
     assert_eq!((s.triggers, s.steps), (periods, periods));
+    assert!(s.compute_us.max < LATENCY_US / 3.0, "{:?}", s.compute_us);
     assert_eq!((s.missed, s.stale_outputs), (0, 0));
-    assert!((s.latency_us.mean() - LATENCY_US).abs() < 0.1 && s.latency_us.spread() < 0.01, "{:?}", s.latency_us);
+    assert!(
+        (s.latency_us.mean() - LATENCY_US).abs() < 0.1 && s.latency_us.spread() < 0.01,
+        "{:?}",
+        s.latency_us
+    );
     assert!((s.output_period_us.min - 1000.0).abs() < 0.01 && s.output_period_us.spread() < 0.01);
     assert!(board.machine.resets().is_empty(), "{:?}", board.machine.resets());
     assert!(board.machine.violations().is_empty(), "{:?}", board.machine.violations());
@@ -98,7 +113,12 @@ fn it_answers_and_what_it_answers_is_felt_on_the_handle() {
     board.run(400.0);
     let later = board.machine.truth();
     let crept = later.position - held.position;
-    println!("2 N for 0.8 s: handle {:.1} um, crept {:.2} um, force {:.2} N", 1e6 * later.position, 1e6 * crept, board.machine.force());
+    println!(
+        "2 N for 0.8 s: handle {:.1} um, crept {:.2} um, force {:.2} N",
+        1e6 * later.position,
+        1e6 * crept,
+        board.machine.force()
+    );
     assert!(crept.abs() < 3e-6 && later.position.abs() < 1e-3);
     assert!((board.machine.force() + 2.0).abs() < 0.2);
     // beyond it: slides
@@ -131,7 +151,11 @@ fn garbage_is_answered_and_changes_nothing() {
         (&long, "TOO_LONG: a line of 513 bytes"),
     ] {
         let said = board.say(bytes, 30.0);
-        println!("{:40} {}", String::from_utf8_lossy(&bytes[..bytes.len().min(30)]).escape_debug(), said.join(" | "));
+        println!(
+            "{:40} {}",
+            String::from_utf8_lossy(&bytes[..bytes.len().min(30)]).escape_debug(),
+            said.join(" | ")
+        );
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(said[0].starts_with(&format!("err {code}")), "{said:?}");
     }
@@ -149,7 +173,11 @@ fn a_page_pasted_at_once_is_obeyed_line_by_line() {
     let said = board.say(page.as_bytes(), 400.0);
     let obeyed = said.iter().filter(|line| line.starts_with("ok")).count();
     let refused = said.len() - obeyed;
-    println!("{} bytes at once: {obeyed} lines obeyed, {refused} refused, {} bytes lost by the receiver", page.len(), board.machine.serial_overruns());
+    println!(
+        "{} bytes at once: {obeyed} lines obeyed, {refused} refused, {} bytes lost by the receiver",
+        page.len(),
+        board.machine.serial_overruns()
+    );
     assert_eq!(board.machine.serial_overruns(), 0);
     // each obeyed line is one that was typed: never the halves of two
     for line in said.iter().filter(|line| line.starts_with("ok")) {

@@ -67,6 +67,7 @@ fn has_target(root: &Path, toolchain: Option<&str>) -> bool {
         .output();
     asked.is_ok_and(|output| {
         let path = String::from_utf8_lossy(&output.stdout);
-        output.status.success() && std::fs::read_dir(path.trim()).is_ok_and(|mut files| files.next().is_some())
+        output.status.success()
+            && std::fs::read_dir(path.trim()).is_ok_and(|mut files| files.next().is_some())
     })
 }

@@ -96,7 +96,8 @@ impl Machine {
     pub fn free_handle(image: &Image, seed: u64) -> Self {
         let no_block = friction::Custom(|_: &friction::Motion<f64>| 0.0);
         // built here, not by the caller, so that the rig is optimised as this crate is
-        Self::boot(image, RigConfig::free_handle(), no_block, seed).expect("the thesis's rig is within its ranges")
+        Self::boot(image, RigConfig::free_handle(), no_block, seed)
+            .expect("the thesis's rig is within its ranges")
     }
 
     /// Runs for this many virtual milliseconds.

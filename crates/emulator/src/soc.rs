@@ -353,3 +353,7 @@ impl Soc {
         })
     }
 }
+
+#[cfg(test)]
+#[path = "soc_tests.rs"]
+mod tests;
