@@ -106,7 +106,7 @@ impl Loop {
             if self.hardware.emergency_stop.is_high() { self.stop_open.saturating_add(1) } else { 0 };
         let stopped = self.stop_open >= STOP_PERIODS;
         // the periods between are for requests: they are answered while the stop is open, and refused
-        let raise = stopped && (self.stop_open - STOP_PERIODS) % 2 == 0;
+        let raise = stopped && (self.stop_open - STOP_PERIODS).is_multiple_of(2);
         let raise = self.boot_fault.take().or(raise.then_some(FaultKind::EmergencyStop));
         let outputs = self.control.tick(&mut self.ends, &inputs, raise);
         self.hardware.drive(outputs.force, outputs.amplifier && !stopped);

@@ -26,7 +26,7 @@ pub async fn run(mut watchdog: IndependentWatchdog<'static, IWDG>, mut lamp: Out
         if steps.wrapping_sub(last) >= ENOUGH {
             watchdog.pet();
             looks = looks.wrapping_add(1);
-            if looks % BLINK == 0 {
+            if looks.is_multiple_of(BLINK) {
                 lamp.toggle();
             }
         }

@@ -124,13 +124,13 @@ impl Adc {
         let (ratio, shift) = self.oversampling();
         let mut half_cycles = 0;
         let mut results = [0; 4];
-        for rank in 0..=(jsqr & 3) as usize {
+        for (rank, result) in results.iter_mut().enumerate().take((jsqr & 3) as usize + 1) {
             let channel = jsqr >> (9 + 6 * rank) & 0x1f;
             half_cycles += ratio * (self.sampling(channel) + 25);
             // the sum of `ratio` 12-bit conversions of a level that dithers across the last bits
-            let sum = u64::from(level(channel)) * ratio >> 4;
+            let sum = (u64::from(level(channel)) * ratio) >> 4;
             let most = ratio * 4095;
-            results[rank] = (sum.min(most) >> shift) as u16;
+            *result = (sum.min(most) >> shift) as u16;
         }
         let end = now + half_cycles * units_per_cycle(clock) / 2;
         self.running = Some((end, results));

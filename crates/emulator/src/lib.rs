@@ -46,5 +46,5 @@ pub const UNITS_PER_MS: u64 = UNITS_PER_SECOND / 1_000;
 
 /// Virtual time of one period of a clock, units; 0 Hz never ticks.
 pub(crate) fn units_per_cycle(hz: u64) -> u64 {
-    if hz == 0 { u64::MAX / 4 } else { ((UNITS_PER_SECOND + hz / 2) / hz).max(1) }
+    (UNITS_PER_SECOND + hz / 2).checked_div(hz).map_or(u64::MAX / 4, |units| units.max(1))
 }

@@ -238,10 +238,10 @@ impl Soc {
     fn feed(&mut self, offset: u32, value: u32, now: u64) {
         let fed = self.iwdg.fed;
         self.iwdg.write(offset, value, now);
-        if self.iwdg.fed != fed {
-            if let Some(last) = self.last_fed.replace(now) {
-                self.stats.watchdog_gap_ms.add(us(now - last) / 1e3);
-            }
+        if self.iwdg.fed != fed
+            && let Some(last) = self.last_fed.replace(now)
+        {
+            self.stats.watchdog_gap_ms.add(us(now - last) / 1e3);
         }
     }
 
