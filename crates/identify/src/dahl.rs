@@ -61,8 +61,16 @@ pub fn identify_dahl(signals: &Signals, options: &DahlOptions) -> Result<Identif
         Some(start) => checked(&start)?,
         None => first_guess(&ready)?,
     };
+    Ok(with_trace(&ready, |trace| {
+        let best = search(trace, &ready, &start, options.scan);
+        Report { trace, ready: &ready, best }.identification()
+    }))
+}
+
+/// A trace over ready signals, handed to `use_it`.
+fn with_trace<R>(ready: &Ready<'_>, use_it: impl FnOnce(&Trace<'_>) -> R) -> R {
     let rows = |series: &[f64]| ready.rows(series);
-    let trace = Trace {
+    use_it(&Trace {
         dt: ready.dt,
         displacement: &ready.displacement,
         velocity: &ready.velocity,
@@ -70,10 +78,11 @@ pub fn identify_dahl(signals: &Signals, options: &DahlOptions) -> Result<Identif
         force: ready.force_rows.clone(),
         rows: &rows,
         errors: [ready.errors.acceleration, ready.errors.velocity],
-    };
-    let best = search(&trace, &ready, &start, options.scan);
-    Ok(Report { trace: &trace, ready: &ready, best }.identification())
+    })
 }
+
+/// A bristle shorter than this many deviations of the position is not resolved: it looks as long as the errors.
+const RESOLVED: f64 = 4.0;
 
 fn checked(start: &DahlStart) -> Result<Point, Error> {
     let values = [start.mass, start.viscous, start.limit_p, start.limit_n, start.sigma];
@@ -156,8 +165,17 @@ impl Report<'_> {
         (self.best.cost.max(0.0) / (n - COUNT as f64).max(1.0) / independence.clamp(1e-6, 1.0)).max(f64::MIN_POSITIVE)
     }
 
+    fn level(&self) -> f64 {
+        self.best.point[LIMIT_P].max(self.best.point[LIMIT_N]).exp()
+    }
+
+    /// D/σ, the distance over which friction builds up, m.
+    fn bristle(&self) -> f64 {
+        self.level() / self.best.point[SIGMA].exp()
+    }
+
     fn profile(&mut self, independence: f64) -> Profile {
-        let level = self.best.point[LIMIT_P].max(self.best.point[LIMIT_N]).exp();
+        let level = self.level();
         let (soft, rigid) = log_sigma_range(self.ready, level);
         let low = self.side(-0.35, soft.min(self.best.point[SIGMA]) - 2.0, independence);
         let high = self.side(0.35, rigid.max(self.best.point[SIGMA]), independence);
@@ -204,7 +222,7 @@ impl Report<'_> {
     fn identification(mut self) -> Identification {
         let independence = self.covariance(&ALL).map_or(1.0, |c| c.2);
         let profile = self.profile(independence);
-        let known = profile.low.is_some() && profile.high.is_some();
+        let known = profile.low.is_some() && profile.high.is_some() && self.bristle() > RESOLVED * self.ready.position_std;
         let free: &[usize] = if known { &ALL } else { &BUT_SIGMA };
         let solution = self.covariance(free);
         let units = self.ready.units;
@@ -241,10 +259,13 @@ impl Report<'_> {
                 Estimate::gaussian(p[*k], std, unit)
             } else {
                 let value = p[*k].exp();
-                let ci95 = match (*k, profile.low, profile.high) {
-                    (SIGMA, Some(low), Some(high)) => [low.exp(), high.exp()],
-                    _ => [value * (-1.96 * std).exp(), value * (1.96 * std).exp()],
-                };
+                // Errors of the position lengthen a bristle by no more than themselves: a bias, told as deviation.
+                let blur = if *k == SIGMA { self.ready.position_std / self.bristle() } else { 0.0 };
+                let std = std.hypot(blur);
+                let mut ci95 = [value * (-1.96 * std).exp(), value * (1.96 * std).exp()];
+                if let (SIGMA, Some(low), Some(high)) = (*k, profile.low, profile.high) {
+                    ci95 = [ci95[0].min(low.exp()), ci95[1].max(high.exp())];
+                }
                 Estimate { ci95, ..Estimate::gaussian(value, value * std, unit) }
             };
             parameters.insert(name.to_string(), estimate);
@@ -310,9 +331,18 @@ impl Report<'_> {
 
     fn no_sigma(&self, profile: &Profile, moves: &Moves) -> NotIdentifiable {
         let units = self.ready.units;
-        let level = self.best.point[LIMIT_P].max(self.best.point[LIMIT_N]).exp();
+        let level = self.level();
         let because = match (profile.low, profile.high) {
-            (Some(low), _) => format!(
+            (Some(low), Some(_)) => format!(
+                "friction builds up over {:.1e} {}, and the position is only known to {:.1e}: σ is above {:.3e} {}, and how far \
+                 above cannot be told",
+                self.bristle(),
+                units.length(),
+                self.ready.position_std,
+                low.exp(),
+                units.parameter("sigma")
+            ),
+            (Some(low), None) => format!(
                 "any σ above {:.3e} {} explains the recording as well (95 %): the bristle bends by less than {:.1e} {}, \
                  and near a reversal the motion crosses that within {} samples",
                 low.exp(),

@@ -2,7 +2,7 @@
 
 use crate::identification::Units;
 use crate::moves::Moves;
-use crate::smoother::smooth;
+use crate::smoother::{Measured, smooth};
 use crate::{Error, Errors, Signals};
 
 /// Error variances of the regressors: of every sample, or of the rows behind the filter.
@@ -31,6 +31,8 @@ pub(crate) struct Ready<'a> {
     pub velocity_std: f64,
     /// Distance slid up to each sample from the one before, m.
     pub displacement: Vec<f64>,
+    /// Standard deviation of the position it is the difference of, m.
+    pub position_std: f64,
     /// Regressors and force behind the filter of the force: the rows.
     pub acceleration_rows: Vec<f64>,
     pub velocity_rows: Vec<f64>,
@@ -70,8 +72,12 @@ impl<'a> Ready<'a> {
             }
         };
         let dt = signals.dt;
-        let (velocity, velocity_std) =
-            smooth(&signals.velocity, &signals.acceleration, dt, measured.velocity, measured.acceleration);
+        let smoothed = smooth(&Measured {
+            position: (&signals.position, crate::noise_variance(&signals.position)),
+            velocity: (&signals.velocity, measured.velocity),
+            acceleration: (&signals.acceleration, measured.acceleration),
+            dt,
+        });
         let force_rows = signals.condition(&signals.force);
         let finite = [&signals.position, &signals.velocity, &signals.acceleration, &signals.force]
             .iter()
@@ -82,15 +88,8 @@ impl<'a> Ready<'a> {
         if !finite {
             return refuse("a signal holds values that are not numbers".into());
         }
-        // The better of two measurements of a step: the difference of positions, or velocity times time.
-        let position_error = 2.0 * crate::noise_variance(&signals.position);
-        let by_position = position_error < (velocity_std * dt).powi(2);
         let mut displacement: Vec<f64> = vec![0.0];
-        if by_position {
-            displacement.extend(signals.position.windows(2).map(|w| w[1] - w[0]));
-        } else {
-            displacement.extend(velocity.windows(2).map(|w| 0.5 * (w[0] + w[1]) * dt));
-        }
+        displacement.extend(smoothed.position.windows(2).map(|w| w[1] - w[0]));
         let (low, high) =
             signals.position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let step_rms = (displacement.iter().map(|d| d * d).sum::<f64>() / displacement.len() as f64).sqrt();
@@ -102,8 +101,9 @@ impl<'a> Ready<'a> {
             velocity_rows: signals.condition(&signals.velocity),
             at: (0..force_rows.len()).collect(),
             force_rows,
-            velocity,
-            velocity_std,
+            velocity: smoothed.velocity,
+            velocity_std: smoothed.velocity_std,
+            position_std: smoothed.position_std,
             displacement,
             errors,
             travel: high - low,

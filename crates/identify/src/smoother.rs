@@ -1,36 +1,87 @@
-//! The velocity behind a noisy velocity channel, with the accelerometer's help: which samples slide, and which way.
+//! The motion behind noisy channels of position, velocity and acceleration: which samples slide, which way, how far.
 //!
 //! Choosing samples by the velocity they were measured with would choose them by their errors. A
-//! Rauch-Tung-Striebel smoother of v̇ = a leaves a sample's own error a few percent of its weight, and, unlike a
+//! Rauch-Tung-Striebel smoother of ẍ = a leaves a sample's own error a few percent of its weight, and, unlike a
 //! low-pass, does not blur a break-away, because the accelerometer saw it.
 
-/// Smoothed velocity and its standard deviation, from channels with error variances `var_v` (m/s)² and
-/// `var_a` (m/s²)². A velocity without error is returned as it is.
-pub(crate) fn smooth(v: &[f64], a: &[f64], dt: f64, var_v: f64, var_a: f64) -> (Vec<f64>, f64) {
-    let n = v.len().min(a.len());
-    let Some(&first) = v.first() else { return (Vec::new(), 0.0) };
-    if var_v <= 0.0 || n < 2 {
-        return (v.to_vec(), var_v.max(0.0).sqrt());
+use nalgebra::{Matrix2, Vector2};
+
+/// Channels with the variance of the error of each sample. Equal lengths.
+pub(crate) struct Measured<'a> {
+    /// m, m².
+    pub position: (&'a [f64], f64),
+    /// m/s, (m/s)².
+    pub velocity: (&'a [f64], f64),
+    /// m/s², (m/s²)².
+    pub acceleration: (&'a [f64], f64),
+    /// s.
+    pub dt: f64,
+}
+
+/// Smoothed position and velocity with their standard deviations halfway.
+pub(crate) struct Smoothed {
+    pub position: Vec<f64>,
+    pub position_std: f64,
+    pub velocity: Vec<f64>,
+    pub velocity_std: f64,
+}
+
+/// One measurement into mean and covariance.
+fn update(mean: &mut Vector2<f64>, p: &mut Matrix2<f64>, k: usize, value: f64, variance: f64) {
+    let gain = p.column(k) / (p[(k, k)] + variance).max(f64::MIN_POSITIVE);
+    let innovation = value - mean[k];
+    *mean += gain * innovation;
+    *p -= gain * p.row(k).clone_owned();
+    *p = (*p + p.transpose()) * 0.5;
+}
+
+/// Smooths; channels without error come back as they are.
+pub(crate) fn smooth(m: &Measured<'_>) -> Smoothed {
+    let (x, var_x) = m.position;
+    let (v, var_v) = m.velocity;
+    let (a, var_a) = m.acceleration;
+    let n = x.len().min(v.len()).min(a.len());
+    let dt = m.dt;
+    if n < 2 || var_v <= 0.0 {
+        return Smoothed {
+            position: x.to_vec(),
+            position_std: var_x.max(0.0).sqrt(),
+            velocity: v.to_vec(),
+            velocity_std: 0.0,
+        };
     }
-    // Mean of the two accelerations a step spans, and what the mean misses where acceleration jumps within it.
-    let jumps: Vec<f64> = a.windows(2).map(|w| (w[1] - w[0]).powi(2)).collect();
-    let step_error = |k: usize| 0.5 * var_a * dt * dt + (jumps[k] - 2.0 * var_a).max(0.0) * dt * dt / 12.0;
-    let (mut mean, mut variance) = (vec![first; n], vec![var_v; n]);
-    let (mut ahead, mut ahead_variance) = (vec![first; n], vec![var_v; n]);
+    // A position without error still has the error of assuming a straight acceleration within a step.
+    let var_x = var_x.max((1e-3 * var_v.sqrt() * dt).powi(2));
+    let drift = Matrix2::new(1.0, dt, 0.0, 1.0);
+    let mut mean = vec![Vector2::new(x[0], v[0]); n];
+    let mut cov = vec![Matrix2::new(var_x, 0.0, 0.0, var_v); n];
+    let mut ahead = mean.clone();
+    let mut ahead_cov = cov.clone();
     for k in 1..n {
-        ahead[k] = mean[k - 1] + 0.5 * (a[k - 1] + a[k]) * dt;
-        ahead_variance[k] = variance[k - 1] + step_error(k - 1);
-        let gain = ahead_variance[k] / (ahead_variance[k] + var_v);
-        mean[k] = ahead[k] + gain * (v[k] - ahead[k]);
-        variance[k] = (1.0 - gain) * ahead_variance[k];
+        let change = a[k] - a[k - 1];
+        // Error of the mean acceleration of a step: of the sensor, and what two samples miss where it jumps.
+        let q = 0.5 * var_a + (change * change - 2.0 * var_a).max(0.0) / 12.0;
+        let push = 0.5 * (a[k] + a[k - 1]);
+        ahead[k] = drift * mean[k - 1] + Vector2::new(0.5 * push * dt * dt, push * dt);
+        let spread = Vector2::new(0.5 * dt * dt, dt);
+        ahead_cov[k] = drift * cov[k - 1] * drift.transpose() + spread * spread.transpose() * q;
+        (mean[k], cov[k]) = (ahead[k], ahead_cov[k]);
+        update(&mut mean[k], &mut cov[k], 0, x[k], var_x);
+        update(&mut mean[k], &mut cov[k], 1, v[k], var_v);
     }
     for k in (0..n - 1).rev() {
-        let gain = variance[k] / ahead_variance[k + 1];
-        mean[k] += gain * (mean[k + 1] - ahead[k + 1]);
-        variance[k] += gain * gain * (variance[k + 1] - ahead_variance[k + 1]);
+        let Some(inverse) = ahead_cov[k + 1].try_inverse() else { continue };
+        let gain = cov[k] * drift.transpose() * inverse;
+        let (later, later_cov) = (mean[k + 1], cov[k + 1]);
+        mean[k] += gain * (later - ahead[k + 1]);
+        cov[k] += gain * (later_cov - ahead_cov[k + 1]) * gain.transpose();
     }
-    let typical = variance[n / 2].max(0.0).sqrt();
-    (mean, typical)
+    Smoothed {
+        position: mean.iter().map(|m| m[0]).collect(),
+        position_std: cov[n / 2][(0, 0)].max(0.0).sqrt(),
+        velocity: mean.iter().map(|m| m[1]).collect(),
+        velocity_std: cov[n / 2][(1, 1)].max(0.0).sqrt(),
+    }
 }
 
 #[cfg(test)]
@@ -47,24 +98,32 @@ mod tests {
             x * std
         };
         let dt = 1e-3;
-        let mut truth = vec![0.0];
-        let mut a = vec![0.0];
+        let (mut truth, mut a, mut x) = (vec![0.0], vec![0.0], vec![0.0]);
         for k in 1..2000 {
             a.push(if k < 1000 { 0.0 } else { 2.0 * (0.01 * k as f64).cos() });
             truth.push(truth[k - 1] + 0.5 * (a[k] + a[k - 1]) * dt);
+            x.push(x[k - 1] + 0.5 * (truth[k] + truth[k - 1]) * dt);
         }
-        let v: Vec<f64> = truth.iter().map(|x| x + draw(3.18e-3)).collect();
-        let noisy: Vec<f64> = a.iter().map(|x| x + draw(0.2379)).collect();
-        let (smoothed, told) = smooth(&v, &noisy, dt, 3.18e-3f64.powi(2), 0.2379f64.powi(2));
-        let error = (smoothed.iter().zip(&truth).map(|(s, t)| (s - t).powi(2)).sum::<f64>() / 2000.0).sqrt();
-        println!("error {error:.2e} m/s, told {told:.2e}");
-        assert!(error < 3.18e-3 / 4.0 && (told / error - 1.0).abs() < 0.5);
+        let mut noisy = |series: &[f64], std: f64| -> Vec<f64> { series.iter().map(|y| y + draw(std)).collect() };
+        let (position, velocity, acceleration) = (noisy(&x, 5.76e-5), noisy(&truth, 3.18e-3), noisy(&a, 0.2379));
+        let s = smooth(&Measured {
+            position: (&position, 5.76e-5f64.powi(2)),
+            velocity: (&velocity, 3.18e-3f64.powi(2)),
+            acceleration: (&acceleration, 0.2379f64.powi(2)),
+            dt,
+        });
+        let rms = |a: &[f64], b: &[f64]| (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 2000.0).sqrt();
+        let (ev, ex) = (rms(&s.velocity, &truth), rms(&s.position, &x));
+        println!("error {ev:.2e} m/s, told {:.2e}; {ex:.2e} m, told {:.2e}", s.velocity_std, s.position_std);
+        assert!(ev < 3.18e-3 / 4.0 && (s.velocity_std / ev - 1.0).abs() < 0.5);
+        assert!(ex < 5.76e-5 / 3.0 && (s.position_std / ex - 1.0).abs() < 0.5);
     }
 
     #[test]
     fn without_noise_nothing_changes() {
-        let v = [0.0, 1.0, -2.0];
-        assert_eq!(smooth(&v, &[9.0; 3], 1e-3, 0.0, 1.0).0, v);
-        assert!(smooth(&[], &[], 1e-3, 1.0, 1.0).0.is_empty());
+        let (v, none) = ([0.0, 1.0, -2.0], [9.0; 3]);
+        let m = |v| Measured { position: (&none, 0.0), velocity: (v, 0.0), acceleration: (&none, 1.0), dt: 1e-3 };
+        assert_eq!(smooth(&m(&v)).velocity, v);
+        assert!(smooth(&m(&[])).velocity.is_empty());
     }
 }
