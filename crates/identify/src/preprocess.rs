@@ -1,0 +1,477 @@
+//! From a recording to signals that can be fitted: velocity and acceleration behind one stated zero-phase filter.
+//!
+//! Every sample of the recording is kept, in its place, so that a prediction has the recording's own times. What a fit
+//! compares are *rows*: [`Signals::condition`] takes a column over every sample (the force, or any regressor built
+//! from velocity and acceleration) through the same filter, leaves out gaps and their edges, and decimates. Behind
+//! one linear filter on both sides, a model that is linear in its parameters stays exactly linear.
+
+use crate::calibrate::{Line, calibrate_accelerometer, filter_variance_gain};
+use crate::cutoff::{central_gain, choose, four_point_gain, white_gain};
+use crate::filter::{central_difference, decimation_filter, zero_phase_padded};
+use crate::noise::noise_variance;
+use crate::ready::Variances;
+use crate::stretches::{SHORTEST, Stretch, closed, cut, rms_frequency, used};
+use crate::{Error, Filter, Geometry, Recording, RecordingFault, audit, four_point_difference, zero_phase};
+
+/// How signals are made from a recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Preprocess {
+    /// The default. Force and regressors pass a zero-phase 4th-order Butterworth low-pass; velocity and acceleration
+    /// are taken from one cut 1.5 times higher, each from its column if that is in agreement with the position and
+    /// has the smaller error, from the position by four-point differences otherwise.
+    Tribos {
+        /// Cut-off, Hz. None: the highest at which the error of the acceleration is below 5 % of it, at most a fifth
+        /// of the sampling rate and at least five times the frequency of the motion.
+        cutoff_hz: Option<f64>,
+    },
+    /// As published for the EMPS benchmark (Janot, Gautier, Brunot 2019): position behind a 4th-order Butterworth at
+    /// 0.2 of Nyquist (100 Hz at 1 kHz) forward and backward, central differences, the first 49 samples dropped, then
+    /// every column decimated by 10 behind a 0.05 dB Chebyshev filter of order 8, ends continued as MATLAB does.
+    Emps,
+    /// As in the thesis (3.5): velocity and acceleration columns as they were measured, the accelerometer calibrated
+    /// against four-point differences of the velocity; no filter.
+    Thesis,
+}
+
+impl Default for Preprocess {
+    fn default() -> Self {
+        Self::Tribos { cutoff_hz: None }
+    }
+}
+
+/// Signals of equal length, one value for each sample of the recording, no NaN among them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signals {
+    /// Name of the recording.
+    pub name: String,
+    /// Slide or axis.
+    pub geometry: Geometry,
+    /// Time between samples, s.
+    pub dt: f64,
+    /// s.
+    pub time: Vec<f64>,
+    /// m or rad.
+    pub position: Vec<f64>,
+    /// m/s or rad/s.
+    pub velocity: Vec<f64>,
+    /// m/s² or rad/s².
+    pub acceleration: Vec<f64>,
+    /// As recorded, N or N·m.
+    pub force: Vec<f64>,
+    /// As recorded, N.
+    pub normal_force: Option<Vec<f64>>,
+    stretches: Vec<Stretch>,
+    force_full: Vec<f64>,
+    rows: Rows,
+    errors: (Variances, Variances),
+    faults: Vec<RecordingFault>,
+    description: String,
+}
+
+/// From samples to rows.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Rows {
+    /// Its padding beside it.
+    filter: Option<(Filter, usize)>,
+    /// Samples dropped in front of the filter, at the beginning of a stretch.
+    drop_first: usize,
+    /// Samples dropped behind it, at both ends.
+    trim: usize,
+    /// 1 keeps every sample.
+    decimation: usize,
+}
+
+impl Signals {
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// No samples at all; [`prepare`] never returns that.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Takes a column over every sample to rows: through the filter of the fit, without gaps and their edges,
+    /// decimated. The force and every regressor go through it alike.
+    #[must_use]
+    pub fn condition(&self, column: &[f64]) -> Vec<f64> {
+        let mut out = Vec::new();
+        for stretch in &self.stretches {
+            let part = column.get(stretch.range.clone()).unwrap_or(&[]);
+            let part = part.get(self.rows.drop_first..).unwrap_or(&[]);
+            let filtered = match &self.rows.filter {
+                Some((filter, padding)) => zero_phase_padded(filter, part, *padding),
+                None => part.to_vec(),
+            };
+            let (n, step) = (filtered.len(), self.rows.decimation.max(1));
+            // MATLAB's `decimate` keeps the last sample of the series, not the first.
+            let first = (n + step - 1) % step;
+            let trim = self.rows.trim.min(n / 8);
+            out.extend(filtered[trim..n - trim].iter().skip(first).step_by(step));
+        }
+        out
+    }
+
+    /// The force at every sample behind the filter that velocity and acceleration are behind: what can be compared
+    /// with them sample by sample.
+    #[must_use]
+    pub fn force_full(&self) -> &[f64] {
+        &self.force_full
+    }
+
+    /// Rows are samples: no filter, no decimation.
+    #[must_use]
+    pub fn keeps_every_sample(&self) -> bool {
+        self.rows.filter.is_none()
+    }
+
+    /// Variance of the errors of velocity and acceleration: of the signals, and of the rows.
+    pub(crate) fn error_variances(&self) -> (Variances, Variances) {
+        self.errors
+    }
+
+    /// What the audit said of the recording.
+    #[must_use]
+    pub fn recording_faults(&self) -> Vec<RecordingFault> {
+        self.faults.clone()
+    }
+
+    /// What was done, in words.
+    #[must_use]
+    pub fn description(&self) -> String {
+        self.description.clone()
+    }
+}
+
+/// Makes signals of a recording.
+///
+/// # Errors
+/// Columns of unequal length, no clock, no stretch of 64 samples without a gap, a cut-off that is not accepted, or a
+/// column that the method needs and that is not there.
+pub fn prepare(recording: &Recording, how: &Preprocess) -> Result<Signals, Error> {
+    recording.check_lengths()?;
+    let refuse = |why: String| Error::Recording { recording: recording.name.clone(), why };
+    let dt = recording
+        .sample_period()
+        .ok_or_else(|| refuse(format!("{} samples give no sampling period", recording.len())))?;
+    let stretches = cut(&recording.time, &used(recording), dt);
+    let longest = stretches.iter().map(|s| s.range.len()).max().unwrap_or(0);
+    let needed = if *how == Preprocess::Emps { 200 } else { SHORTEST };
+    let stretches: Vec<Stretch> = stretches.into_iter().filter(|s| s.range.len() >= needed).collect();
+    if stretches.is_empty() {
+        return Err(refuse(format!(
+            "the longest stretch without a gap has {longest} samples, {needed} are needed"
+        )));
+    }
+    let dt = if stretches.len() == 1 { stretches[0].dt } else { dt };
+    let filled = |column: &[f64]| closed(column).unwrap_or_else(|| vec![0.0; column.len()]);
+    let position = filled(&recording.position);
+    let zeros = vec![0.0; position.len()];
+    let mut signals = Signals {
+        name: recording.name.clone(),
+        geometry: recording.geometry,
+        dt,
+        time: filled(&recording.time),
+        velocity: zeros.clone(),
+        acceleration: zeros,
+        force: filled(&recording.force),
+        normal_force: recording.normal_force.as_deref().map(filled),
+        force_full: Vec::new(),
+        position,
+        stretches,
+        rows: Rows { decimation: 1, ..Rows::default() },
+        errors: Default::default(),
+        faults: audit(recording).faults,
+        description: String::new(),
+    };
+    signals.force_full = signals.force.clone();
+    match how {
+        Preprocess::Tribos { cutoff_hz } => tribos(recording, &mut signals, *cutoff_hz)?,
+        Preprocess::Emps => emps(&mut signals)?,
+        Preprocess::Thesis => thesis(recording, &mut signals)?,
+    }
+    Ok(signals)
+}
+
+impl Signals {
+    /// Replaces what is in the stretches by what `make` makes of each, given its index; what is between them stays.
+    fn fill(&mut self, pick: fn(&mut Self) -> &mut Vec<f64>, make: impl Fn(&Stretch) -> Vec<f64>) {
+        for stretch in self.stretches.clone() {
+            let made = stretch.back(make(&stretch));
+            if let Some(place) = pick(self).get_mut(stretch.range.clone())
+                && place.len() == made.len()
+            {
+                place.copy_from_slice(&made);
+            }
+        }
+    }
+}
+
+fn emps(signals: &mut Signals) -> Result<(), Error> {
+    let dt = signals.dt;
+    let position = signals.position.clone();
+    let noise = noise_variance(&position);
+    let low_pass = Filter::butterworth(4, 0.1 / dt, dt)?;
+    let filtered = |s: &Stretch, column: &[f64]| zero_phase_padded(&low_pass, &s.grid(column), 12);
+    signals.fill(|s| &mut s.position, |s| filtered(s, &position));
+    signals.fill(|s| &mut s.velocity, |s| central_difference(&filtered(s, &position), s.dt));
+    let twice = |s: &Stretch| central_difference(&central_difference(&filtered(s, &position), s.dt), s.dt);
+    signals.fill(|s| &mut s.acceleration, twice);
+    let force = signals.force.clone();
+    signals.fill(|s| &mut s.force_full, |s| filtered(s, &force));
+    let decimation = decimation_filter(10)?;
+    let gain = |order: i32, rows: bool| {
+        noise
+            * white_gain(|f| {
+                let row = if rows { decimation.gain(f).powi(2) } else { 1.0 };
+                low_pass.gain(f).powi(2) * central_gain(f, dt).powi(order) * row
+            })
+    };
+    signals.errors = (
+        Variances { velocity: gain(1, false), acceleration: gain(2, false) },
+        Variances { velocity: gain(1, true), acceleration: gain(2, true) },
+    );
+    signals.rows = Rows { filter: Some((decimation, 24)), drop_first: 49, trim: 0, decimation: 10 };
+    signals.description = format!(
+        "as published for EMPS: position behind a zero-phase 4th-order Butterworth at {:.4} Hz, central differences, \
+         first 49 samples dropped, all columns decimated by 10 behind a zero-phase 0.05 dB Chebyshev of order 8",
+        0.1 / dt
+    );
+    Ok(())
+}
+
+fn thesis(recording: &Recording, signals: &mut Signals) -> Result<(), Error> {
+    let needed = |name: &str| Error::Recording {
+        recording: recording.name.clone(),
+        why: format!("no column {name}; the thesis's procedure needs it, the default (tribos) does not"),
+    };
+    let rotary = recording.geometry == Geometry::Rotary;
+    let pick = |linear, axis| if rotary { axis } else { linear };
+    let velocity =
+        recording.velocity.as_deref().ok_or_else(|| needed(pick("velocity_m_s", "velocity_rad_s")))?;
+    let reading = recording
+        .acceleration
+        .as_deref()
+        .ok_or_else(|| needed(pick("acceleration_m_s2", "acceleration_rad_s2")))?;
+    let (scale, offset, said) = calibrated(signals, velocity, reading).unwrap_or((
+        1.0,
+        0.0,
+        "the accelerometer does not follow the velocity and is taken as it is".into(),
+    ));
+    signals.velocity = closed(velocity).unwrap_or_default();
+    let acceleration: Vec<f64> = reading.iter().map(|a| scale * a + offset).collect();
+    signals.acceleration = closed(&acceleration).unwrap_or_default();
+    let errors = Variances {
+        velocity: noise_variance(&signals.velocity),
+        acceleration: noise_variance(&signals.acceleration),
+    };
+    signals.errors = (errors, errors);
+    signals.description = format!("as in the thesis: measured velocity and acceleration, no filter; {said}");
+    Ok(())
+}
+
+/// Scale and offset of the accelerometer over the longest stretch, and what to say about it.
+fn calibrated(signals: &Signals, velocity: &[f64], reading: &[f64]) -> Option<(f64, f64, String)> {
+    let stretch = signals.stretches.iter().max_by_key(|s| s.range.len())?;
+    let found = calibrate_accelerometer(&stretch.grid(reading), &stretch.grid(velocity), stretch.dt)?;
+    (found.r_squared > 0.5 && found.scale > 0.0).then(|| {
+        let said = format!(
+            "accelerometer scaled by {:.4} (std {:.4}) and offset by {:.4} to match the differentiated velocity",
+            found.scale, found.scale_std, found.offset
+        );
+        (found.scale, found.offset, said)
+    })
+}
+
+/// Cut-off of the filter of velocity and acceleration over that of the rows.
+const WIDER: f64 = 1.5;
+
+fn tribos(recording: &Recording, signals: &mut Signals, cutoff_hz: Option<f64>) -> Result<(), Error> {
+    let dt = signals.dt;
+    let Some(longest) = signals.stretches.iter().max_by_key(|s| s.range.len()).cloned() else {
+        return Ok(());
+    };
+    let position = signals.position.clone();
+    let moving = rms_frequency(&longest.grid(&position), dt);
+    let seconds = longest.range.len() as f64 * dt;
+    let floor = (5.0 * moving).max(8.0 / seconds);
+    // A column is used where it agrees with the position.
+    let velocity =
+        recording.velocity.as_deref().and_then(closed).filter(|v| agrees(&longest, &position, v, floor));
+    let differentiated = velocity.clone().unwrap_or_else(|| four_point_difference(&position, dt));
+    let calibration = recording
+        .acceleration
+        .as_deref()
+        .and_then(|a| calibrated(signals, &differentiated, a).map(|c| (a, c)));
+    let acceleration = calibration.as_ref().and_then(|(a, (scale, offset, _))| {
+        closed(&a.iter().map(|a| scale * a + offset).collect::<Vec<f64>>())
+    });
+    let noise = Sources {
+        dt,
+        position: noise_variance(&position),
+        velocity: velocity.as_deref().map(noise_variance),
+        acceleration: acceleration.as_deref().map(noise_variance),
+    };
+    let cutoff = match cutoff_hz {
+        Some(cutoff) => cutoff,
+        None => choose(
+            dt,
+            floor,
+            |hz| Filter::butterworth(4, hz, dt).map_or(f64::NAN, |f| noise.acceleration(&f).0.sqrt()),
+            |hz| {
+                let Ok(filter) = Filter::butterworth(4, hz, dt) else { return f64::NAN };
+                let made = match (noise.acceleration(&filter).1, &acceleration, &velocity) {
+                    (Source::Column, Some(a), _) => zero_phase(&filter, &longest.grid(a)),
+                    (Source::Velocity, _, Some(v)) => {
+                        four_point_difference(&zero_phase(&filter, &longest.grid(v)), dt)
+                    }
+                    _ => {
+                        let smooth = zero_phase(&filter, &longest.grid(&position));
+                        four_point_difference(&four_point_difference(&smooth, dt), dt)
+                    }
+                };
+                let trim = filter.settle().min(made.len() / 8);
+                let inner = &made[trim..made.len() - trim];
+                (inner.iter().map(|a| a * a).sum::<f64>() / inner.len() as f64).sqrt()
+            },
+        ),
+    };
+    let rows = Filter::butterworth(4, cutoff, dt)?;
+    let wide = Filter::butterworth(4, (WIDER * cutoff).min(0.45 / dt), dt)?;
+    let (_, velocity_from) = noise.velocity(&wide);
+    let (_, acceleration_from) = noise.acceleration(&wide);
+    let column = |c: &Option<Vec<f64>>| c.clone().unwrap_or_default();
+    let (velocity, acceleration) = (column(&velocity), column(&acceleration));
+    let force = signals.force.clone();
+    let low = |s: &Stretch, column: &[f64]| zero_phase(&wide, &s.grid(column));
+    let slope = |s: &Stretch, series: Vec<f64>| four_point_difference(&series, s.dt);
+    signals.fill(|s| &mut s.position, |s| low(s, &position));
+    signals.fill(|s| &mut s.force_full, |s| low(s, &force));
+    signals.fill(
+        |s| &mut s.velocity,
+        |s| match velocity_from {
+            Source::Velocity => low(s, &velocity),
+            _ => slope(s, low(s, &position)),
+        },
+    );
+    signals.fill(
+        |s| &mut s.acceleration,
+        |s| match acceleration_from {
+            Source::Column => low(s, &acceleration),
+            Source::Velocity => slope(s, low(s, &velocity)),
+            Source::Position => slope(s, slope(s, low(s, &position))),
+        },
+    );
+    let both = |f: f64| wide.gain(f).powi(2) * rows.gain(f).powi(2);
+    let wide_only = |f: f64| wide.gain(f).powi(2);
+    signals.errors = (
+        Variances {
+            velocity: noise.of_velocity(velocity_from, wide_only),
+            acceleration: noise.of_acceleration(acceleration_from, wide_only),
+        },
+        Variances {
+            velocity: noise.of_velocity(velocity_from, both),
+            acceleration: noise.of_acceleration(acceleration_from, both),
+        },
+    );
+    signals.description = format!(
+        "force and regressors behind a zero-phase 4th-order Butterworth at {cutoff:.4} Hz ({}); velocity {}, \
+         acceleration {}, behind the same at {:.4} Hz",
+        if cutoff_hz.is_some() { "as asked" } else { "the acceleration's error is 5 % there, or the floor" },
+        velocity_from.words("measured"),
+        acceleration_from.words("measured"),
+        (WIDER * cutoff).min(0.45 / dt)
+    );
+    if let (Source::Column, Some((_, (_, _, said)))) = (acceleration_from, &calibration) {
+        signals.description = format!("{}; {said}", signals.description);
+    }
+    let trim = rows.settle();
+    let padding = rows.padding();
+    signals.rows = Rows { filter: Some((rows, padding)), drop_first: 0, trim, decimation: 1 };
+    Ok(())
+}
+
+/// A velocity column is the derivative of the position, to 2 %.
+fn agrees(stretch: &Stretch, position: &[f64], velocity: &[f64], cutoff: f64) -> bool {
+    let dt = stretch.dt;
+    let Ok(filter) = Filter::butterworth(4, (2.0 * cutoff).min(0.2 / dt), dt) else { return false };
+    let given = zero_phase(&filter, &stretch.grid(velocity));
+    let derived = four_point_difference(&zero_phase(&filter, &stretch.grid(position)), dt);
+    let trim = filter.settle().min(given.len() / 8);
+    let inner = trim..given.len() - trim;
+    let noise = noise_variance(velocity) * filter_variance_gain(&filter);
+    Line::through(&given[inner.clone()], &derived[inner], noise)
+        .is_some_and(|line| (line.slope - 1.0).abs() < 0.02 && line.r_squared > 0.98)
+}
+
+/// Where velocity or acceleration comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Source {
+    Position,
+    Velocity,
+    /// The accelerometer.
+    Column,
+}
+
+impl Source {
+    fn words(self, measured: &str) -> &str {
+        match self {
+            Self::Position => "derived from the position by four-point differences",
+            Self::Velocity => "from the velocity column",
+            Self::Column => measured,
+        }
+    }
+}
+
+/// Variance of the white noise of each channel.
+struct Sources {
+    dt: f64,
+    position: f64,
+    velocity: Option<f64>,
+    acceleration: Option<f64>,
+}
+
+impl Sources {
+    fn of_velocity(&self, source: Source, filter: impl Fn(f64) -> f64) -> f64 {
+        match source {
+            Source::Velocity => self.velocity.unwrap_or(0.0) * white_gain(filter),
+            _ => self.position * white_gain(|f| filter(f) * four_point_gain(f, self.dt)),
+        }
+    }
+
+    fn of_acceleration(&self, source: Source, filter: impl Fn(f64) -> f64) -> f64 {
+        let slope = |f| four_point_gain(f, self.dt);
+        match source {
+            Source::Column => self.acceleration.unwrap_or(0.0) * white_gain(filter),
+            Source::Velocity => self.velocity.unwrap_or(0.0) * white_gain(|f| filter(f) * slope(f)),
+            Source::Position => self.position * white_gain(|f| filter(f) * slope(f).powi(2)),
+        }
+    }
+
+    /// The source with the smallest error behind the filter, and its variance.
+    fn velocity(&self, filter: &Filter) -> (f64, Source) {
+        let error = |s| self.of_velocity(s, |f| filter.gain(f).powi(2));
+        let derived = (error(Source::Position), Source::Position);
+        match self.velocity {
+            Some(_) if error(Source::Velocity) < derived.0 => (error(Source::Velocity), Source::Velocity),
+            _ => derived,
+        }
+    }
+
+    fn acceleration(&self, filter: &Filter) -> (f64, Source) {
+        let error = |s| self.of_acceleration(s, |f| filter.gain(f).powi(2));
+        let mut best = (error(Source::Position), Source::Position);
+        for (source, there) in
+            [(Source::Velocity, self.velocity.is_some()), (Source::Column, self.acceleration.is_some())]
+        {
+            let variance = error(source);
+            if there && variance < best.0 {
+                best = (variance, source);
+            }
+        }
+        best
+    }
+}
