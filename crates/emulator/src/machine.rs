@@ -244,6 +244,11 @@ impl Machine {
         self.shared.touched.store(true, Relaxed);
     }
 
+    /// Sends the core to an address, as a stray bit in a return address would.
+    pub fn derail(&mut self, address: u32) {
+        self.cpu.set_pc(address);
+    }
+
     /// What really happened at the rig, up to 10 µs ahead.
     #[must_use]
     pub fn truth(&self) -> Truth {
