@@ -87,7 +87,8 @@ pub fn identify_karnopp(signals: &Signals, options: &KarnoppOptions) -> Result<I
     let levels = first.solve().map_or_else(StaticLevels::default, |s| first.static_levels(&ready, &s));
     let band = match (options.delta_v, levels.delta_v) {
         (Some(dv), _) => dv,
-        (None, _) if signals.keeps_every_sample() => 0.0,
+        // As published: no sample is set aside where the preprocessing decimates.
+        (None, _) if 2 * ready.force_rows.len() < signals.len() => 0.0,
         (None, Some((dv, _))) => dv + 2.0 * ready.velocity_std,
         (None, None) => resolution,
     };

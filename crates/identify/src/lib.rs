@@ -36,7 +36,7 @@ mod stretches;
 
 pub use audit::{Audit, FaultKind, RecordingFault, audit};
 pub use calibrate::{Calibration, calibrate_accelerometer};
-pub use dahl::{DahlOptions, identify_dahl};
+pub use dahl::{DahlOptions, DahlStart, identify_dahl};
 pub use error::{Error, Place};
 pub use expression::Map;
 pub use filter::{Design, Filter, Kind, Section, central_difference, decimate, four_point_difference, zero_phase};

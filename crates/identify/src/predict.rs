@@ -1,0 +1,170 @@
+//! The force a model predicts from a motion alone: the measured force is not looked at, so a prediction of a recording
+//! the model has not seen is a fair judge of it.
+
+use crate::model::{Model, SensorEffect};
+use crate::{Error, Preprocess, Recording, Signals, prepare};
+use friction::effects::EffectState;
+use friction::{DahlState, FrictionLaw, Law, LawState, Motion};
+
+/// A motion on an even grid; equal lengths.
+pub(crate) struct Kinematics<'a> {
+    /// s.
+    pub dt: f64,
+    /// m.
+    pub position: &'a [f64],
+    /// m/s.
+    pub velocity: &'a [f64],
+    /// m/s².
+    pub acceleration: &'a [f64],
+    /// N, where it is known.
+    pub normal: Option<&'a [f64]>,
+}
+
+impl Model {
+    /// Predicts the force at every sample of a recording, N or N·m, at the recording's own times. Position, velocity and
+    /// acceleration are looked at, the force is not.
+    ///
+    /// # Errors
+    /// A model that is not valid, a slide's model for an axis or the other way round, or a recording of which
+    /// [`prepare`] can make no signals.
+    pub fn predict(&self, recording: &Recording) -> Result<Vec<f64>, Error> {
+        self.validate().map_err(|refused| Error::Parameter {
+            parameter: refused.parameter.to_string(),
+            value: refused.value.to_string(),
+            accepted: format!("accepted from {} to {}", refused.min, refused.max),
+        })?;
+        if self.geometry != recording.geometry {
+            return Err(Error::Recording {
+                recording: recording.name.clone(),
+                why: format!("a {:?} recording, and the model is {:?}", recording.geometry, self.geometry).to_lowercase(),
+            });
+        }
+        let signals = prepare(recording, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
+        Ok(self.predict_signals(&signals))
+    }
+
+    /// Predicts the force at every sample of prepared signals, N or N·m.
+    #[must_use]
+    pub fn predict_signals(&self, signals: &Signals) -> Vec<f64> {
+        self.force(&Kinematics {
+            dt: signals.dt,
+            position: &signals.position,
+            velocity: &signals.velocity,
+            acceleration: &signals.acceleration,
+            normal: signals.normal_force.as_deref(),
+        })
+    }
+
+    /// Force that the force channel would show, N or N·m, at every sample of a motion.
+    ///
+    /// At rest a motion does not tell the force: friction may balance anything up to its static level. There the
+    /// prediction goes in a straight line from sliding friction in one direction to that in the other over the
+    /// band ±Δv, which is what is expected of it not knowing more.
+    pub(crate) fn force(&self, motion: &Kinematics<'_>) -> Vec<f64> {
+        let mut law = self.start(motion);
+        let mut effects = vec![EffectState::<f64>::default(); self.effects.len()];
+        let mut before = motion.position.first().copied().unwrap_or(0.0);
+        let mut out = Vec::with_capacity(motion.position.len());
+        for i in 0..motion.position.len() {
+            let (position, velocity) = (motion.position[i], motion.velocity[i]);
+            let mut step = Motion {
+                dt: motion.dt,
+                position,
+                displacement: position - before,
+                velocity,
+                applied: 0.0,
+                mass: 0.0,
+                normal: motion.normal.map(|n| n[i]),
+            };
+            before = position;
+            let carried = self.mass * motion.acceleration[i] + self.friction(&mut law, &step);
+            step.applied = carried;
+            let added: f64 = self.effects.iter().zip(&mut effects).map(|(e, state)| e.step(state, &step)).sum();
+            out.push(carried + added);
+        }
+        self.sensed(out, motion)
+    }
+
+    /// A recording that begins in motion begins with the bristle bent.
+    fn start(&self, motion: &Kinematics<'_>) -> LawState<f64> {
+        match (&self.law, motion.velocity.first()) {
+            (Law::Dahl(law), Some(v)) if *v > 0.0 => LawState::Dahl(DahlState { z: law.limit_p }),
+            (Law::Dahl(law), Some(v)) if *v < 0.0 => LawState::Dahl(DahlState { z: -law.limit_n }),
+            _ => LawState::default(),
+        }
+    }
+
+    fn friction(&self, state: &mut LawState<f64>, motion: &Motion<f64>) -> f64 {
+        let between = |band: f64, up: f64, down: f64| {
+            let v = motion.velocity;
+            if band > 0.0 { down + (up - down) * (0.5 + 0.5 * v / band) } else { 0.5 * (up + down) }
+        };
+        match &self.law {
+            Law::Karnopp(k) if k.is_stuck(motion.velocity) => {
+                between(k.delta_v, k.c_p + k.b_p * k.delta_v, -k.c_n - k.b_n * k.delta_v)
+            }
+            Law::Coulomb(c) if motion.velocity == 0.0 => between(0.0, c.level_p, -c.level_n),
+            // At v ≠ 0 a stopping force with nothing to stop is the sliding branch.
+            Law::Coulomb(c) => {
+                let v = motion.velocity;
+                if v > 0.0 { c.level_p + c.viscous_p * v } else { -c.level_n + c.viscous_n * v }
+            }
+            law => law.step(state, motion),
+        }
+    }
+
+    /// What the sensors make of the force.
+    fn sensed(&self, mut force: Vec<f64>, motion: &Kinematics<'_>) -> Vec<f64> {
+        let dt = motion.dt;
+        let model = force.clone();
+        for sensor in &self.nuisances.sensors {
+            let added: Vec<f64> = match *sensor {
+                SensorEffect::ActuatorLag { share, lag } => {
+                    lagged(&model, lag, dt).iter().zip(&model).map(|(slow, f)| share * (f - slow)).collect()
+                }
+                SensorEffect::VelocityLag { force, lag } => {
+                    let sign: Vec<f64> = motion.velocity.iter().map(|v| if *v == 0.0 { 0.0 } else { v.signum() }).collect();
+                    delayed(&sign, lag, dt).iter().zip(&sign).map(|(late, s)| force * (late - s)).collect()
+                }
+                SensorEffect::ForceGainAsymmetry { gain } => model.iter().map(|f| gain * f.max(0.0)).collect(),
+                SensorEffect::Saturation { share, limit } => {
+                    model.iter().map(|f| share * (f.abs() - limit).max(0.0) * f.signum()).collect()
+                }
+            };
+            for (f, x) in force.iter_mut().zip(added) {
+                *f += x;
+            }
+        }
+        let mut force = delayed(&force, self.nuisances.delay_s, dt);
+        for f in &mut force {
+            *f += self.nuisances.offset;
+        }
+        force
+    }
+}
+
+/// A first-order lag with time constant `lag`, started in its steady state.
+fn lagged(series: &[f64], lag: f64, dt: f64) -> Vec<f64> {
+    let keep = (-dt / lag.max(1e-300)).exp();
+    let mut state = series.first().copied().unwrap_or(0.0);
+    series
+        .iter()
+        .map(|x| {
+            state = x + (state - x) * keep;
+            state
+        })
+        .collect()
+}
+
+/// `series` later by `delay` s, interpolated; its ends are held.
+fn delayed(series: &[f64], delay: f64, dt: f64) -> Vec<f64> {
+    let Some(last) = series.len().checked_sub(1).filter(|_| delay != 0.0) else { return series.to_vec() };
+    (0..=last)
+        .map(|i| {
+            let at = (i as f64 - delay / dt).clamp(0.0, last as f64);
+            let low = at.floor() as usize;
+            let share = at - low as f64;
+            series[low] * (1.0 - share) + series[(low + 1).min(last)] * share
+        })
+        .collect()
+}
