@@ -13,6 +13,8 @@ pub struct Calibration {
     pub offset: f64,
     /// Standard deviation of `scale`, counting only as many samples as the low-pass lets be independent.
     pub scale_std: f64,
+    /// Standard deviation of `offset`, m/s² or rad/s², counted alike.
+    pub offset_std: f64,
     /// Share of the differentiated velocity's variance that the accelerometer explains, 0 to 1.
     pub r_squared: f64,
 }
@@ -39,7 +41,11 @@ pub fn calibrate_accelerometer(reading: &[f64], velocity: &[f64], dt: f64) -> Op
     let noise = noise_variance(reading) * filter_variance_gain(&filter);
     let line = Line::through(&filtered[trim..n - trim], &expected[trim..n - trim], noise)?;
     let independent = (2.0 * cutoff_hz * dt * (n - 2 * trim) as f64).max(3.0);
+    let inner = &expected[trim..n - trim];
+    let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+    let spread = inner.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / inner.len() as f64;
     Some(Calibration {
+        offset_std: (spread * (1.0 - line.r_squared).max(0.0) / (independent - 2.0)).sqrt(),
         scale: line.slope,
         offset: line.offset,
         scale_std: (line.slope * line.slope * (1.0 / line.r_squared.max(1e-12) - 1.0) / (independent - 2.0))

@@ -277,13 +277,17 @@ fn thesis(recording: &Recording, signals: &mut Signals) -> Result<(), Error> {
 fn calibrated(signals: &Signals, velocity: &[f64], reading: &[f64]) -> Option<(f64, f64, String)> {
     let stretch = signals.stretches.iter().max_by_key(|s| s.range.len())?;
     let found = calibrate_accelerometer(&stretch.grid(reading), &stretch.grid(velocity), stretch.dt)?;
-    (found.r_squared > 0.5 && found.scale > 0.0).then(|| {
-        let said = format!(
-            "accelerometer scaled by {:.4} (std {:.4}) and offset by {:.4} to match the differentiated velocity",
-            found.scale, found.scale_std, found.offset
-        );
-        (found.scale, found.offset, said)
-    })
+    if !(found.r_squared > 0.5 && found.scale > 0.0) {
+        return None;
+    }
+    let by = format!("scale {:.4} (std {:.4}), offset {:.4}", found.scale, found.scale_std, found.offset);
+    // An accelerometer that agrees already is left alone: a correction would only add its own error.
+    if (found.scale - 1.0).abs() < 3.0 * found.scale_std && found.offset.abs() < 3.0 * found.offset_std {
+        let said = format!("accelerometer as it is: it agrees with the differentiated velocity ({by})");
+        return Some((1.0, 0.0, said));
+    }
+    let said = format!("accelerometer brought into agreement with the differentiated velocity ({by})");
+    Some((found.scale, found.offset, said))
 }
 
 /// Cut-off of the filter of velocity and acceleration over that of the rows.
