@@ -1,0 +1,121 @@
+//! What is set up once: clocks, encoder and its time stamps, force output, pace, and why the chip started.
+
+use super::{DAC_ZERO, LATCH_COUNTS, PACE_DIVIDER, PACE_PERIOD, TICK_HZ};
+use embassy_stm32::gpio::{AfType, Flex, Pull};
+use embassy_stm32::interrupt::Priority;
+use embassy_stm32::peripherals::{self, PA0, PA1, TIM2, TIM5, TIM6, TIM7};
+use embassy_stm32::{Config, Peri, pac, rcc};
+use haptics::FaultKind;
+use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
+
+/// Clocks: 170 MHz from the internal oscillator (boost mode), all buses undivided.
+pub(super) fn clocks() -> Config {
+    use rcc::{Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
+    let mut config = Config::default();
+    config.rcc.hsi = true;
+    config.rcc.boost = true;
+    config.rcc.pll = Some(Pll {
+        source: PllSource::HSI,
+        prediv: PllPreDiv::DIV4,
+        mul: PllMul::MUL85,
+        divp: None,
+        divq: None,
+        divr: Some(PllRDiv::DIV2),
+    });
+    config.rcc.sys = Sysclk::PLL1_R;
+    config.rcc.mux.adc12sel = mux::Adcsel::SYS;
+    // every interrupt starts at 0, the highest; that belongs to the control step
+    config.bdma_interrupt_priority = Priority::P6;
+    config
+}
+
+/// TIM2 counts quadrature edges, all four of a period, through a filter of 94 ns; TIM5 captures its own count
+/// on each of them.
+pub(super) fn start_encoder(a: Peri<'static, PA0>, b: Peri<'static, PA1>) {
+    rcc::enable_and_reset::<TIM2>();
+    rcc::enable_and_reset::<TIM5>();
+    for mut pin in [Flex::new(a), Flex::new(b)] {
+        pin.set_as_af_unchecked(1, AfType::input(Pull::Up));
+        core::mem::forget(pin); // dropping it would disconnect the pin
+    }
+    let (tim2, tim5) = (pac::TIM2, pac::TIM5);
+    tim2.ccmr_input(0).write(|w| {
+        for channel in 0..2 {
+            w.set_ccs(channel, CcmrInputCcs::TI4); // its own input
+            w.set_icf(channel, FilterValue::FDTS_DIV2_N8);
+        }
+    });
+    tim2.smcr().write(|w| w.set_sms(Sms::ENCODER_MODE_3));
+    tim2.cr2().write(|w| w.set_mms(Mms::ENCODER_CLOCK_OUTPUT));
+    tim2.arr().write_value(u32::MAX);
+
+    tim5.arr().write_value(u32::MAX);
+    tim5.smcr().write(|w| w.set_ts(Ts::ITR1)); // TIM2's trigger output
+    tim5.ccmr_input(0).write(|w| w.set_ccs(0, CcmrInputCcs::TRC));
+    tim5.ccer().write(|w| w.set_cce(0, true));
+    tim5.cr1().write(|w| w.set_cen(true));
+    tim2.cr1().write(|w| w.set_cen(true));
+}
+
+/// DAC1 channel 1 on its pin, at zero force, put out on TIM7's trigger.
+pub(super) fn start_dac() {
+    rcc::enable_and_reset::<peripherals::DAC1>();
+    pac::DAC1.mcr().write(|w| w.set_hfsel(2)); // the bus is faster than 160 MHz
+    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
+    // without a trigger the holding register goes through at once: zero force before the loop runs
+    pac::DAC1.cr().write(|w| w.set_en(0, true));
+    cortex_m::asm::delay(TICK_HZ / 100_000); // 10 µs: the output stage wakes up
+    pac::DAC1.cr().modify(|w| {
+        w.set_tsel(0, 2); // TIM7_TRGO
+        w.set_ten(0, true);
+    });
+}
+
+/// TIM6 starts the conversions, TIM7 puts out the force, in phase for ever: the same clock, the same period.
+pub(super) fn start_pace() {
+    rcc::enable_and_reset::<TIM6>();
+    rcc::enable_and_reset::<TIM7>();
+    for timer in [pac::TIM6, pac::TIM7] {
+        timer.psc().write_value((PACE_DIVIDER - 1) as u16);
+        timer.arr().write(|w| w.set_arr((PACE_PERIOD - 1) as u16));
+        timer.egr().write(|w| w.set_ug(true)); // loads both; before the trigger output is connected
+        timer.cr2().write(|w| w.set_mms(Mms::UPDATE));
+    }
+    // both come to their update LATCH_COUNTS apart
+    pac::TIM7.cnt().write(|w| w.set_cnt((PACE_PERIOD - LATCH_COUNTS) as u16));
+    critical_section::with(|_| {
+        pac::TIM6.cr1().write(|w| w.set_cen(true));
+        pac::TIM7.cr1().write(|w| w.set_cen(true));
+    });
+}
+
+/// Reads and clears the reset flags.
+pub(super) fn reset_cause() -> ResetCause {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    if flags.iwdgrstf() {
+        ResetCause::Watchdog
+    } else if flags.sftrstf() {
+        ResetCause::Software
+    } else {
+        ResetCause::Power
+    }
+}
+
+/// Why the chip started, from the reset flags.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, defmt::Format)]
+pub enum ResetCause {
+    /// Power, reset button or debugger.
+    Power,
+    /// The watchdog: the loop had stopped.
+    Watchdog,
+    /// The firmware itself.
+    Software,
+}
+
+impl ResetCause {
+    /// What the loop starts with: after a reset nobody asked for a person has to look first.
+    pub(super) fn fault(self) -> Option<FaultKind> {
+        (self != Self::Power).then_some(FaultKind::Hardware)
+    }
+}
