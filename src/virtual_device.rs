@@ -1,1 +1,139 @@
-pub fn main() -> std::process::ExitCode { std::process::ExitCode::SUCCESS }
+//! The virtual device on a PC: the firmware application on the simulated rig, in real time, its console on standard
+//! input and on a pseudo-terminal.
+
+mod plain;
+mod pty;
+mod screen;
+
+use link::{Decoder, Item};
+use pty::Pty;
+use std::io::IsTerminal;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use tribos_firmware::{VirtualConfig, VirtualDevice};
+
+const USAGE: &str = "\
+The tribos firmware on a simulated rig: commands on standard input, and on a pseudo-terminal for `tribos`.
+
+    cargo run --release                 at a terminal: live, with a simulated hand on the handle
+    cargo run --release < commands      answers each command, ends with the input
+
+`help` lists the commands of the device. `cargo tribos demo` tells the whole story.";
+
+/// Longest time that is caught up after the machine was busy; what is beyond passes without the device.
+const CATCH_UP: Duration = Duration::from_millis(250);
+
+pub fn main() -> ExitCode {
+    let argument = std::env::args().nth(1);
+    match argument.as_deref() {
+        None => {}
+        Some("-h" | "--help") => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        Some(other) => {
+            eprintln!("`{other}`: accepted is no argument, or --help");
+            return ExitCode::from(2);
+        }
+    }
+    let device = match VirtualDevice::new(&VirtualConfig::default()) {
+        Ok(device) => device,
+        Err(unfit) => {
+            eprintln!("{unfit}");
+            return ExitCode::from(2);
+        }
+    };
+    let pty = Pty::open();
+    let serial_line = match &pty {
+        Ok(pty) => format!("serial line {}   (cargo tribos connect {})", pty.name(), pty.name()),
+        Err(why) => format!("no serial line besides this console: {why}"),
+    };
+    let running = Running::new(device, pty.ok());
+    let ended = if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
+        screen::run(running, &serial_line)
+    } else {
+        plain::run(running, &serial_line)
+    };
+    match ended {
+        // who reads has gone away: nothing is wrong here
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!("the console is gone: {e}");
+            ExitCode::FAILURE
+        }
+        Ok(()) => ExitCode::SUCCESS,
+    }
+}
+
+/// The device in real time, and its serial line.
+struct Running {
+    device: VirtualDevice,
+    pty: Option<Pty>,
+    decoder: Decoder,
+    bytes: Vec<u8>,
+    lines: Vec<String>,
+    period: Duration,
+    /// When the next control period is due.
+    due: Instant,
+}
+
+impl Running {
+    fn new(device: VirtualDevice, pty: Option<Pty>) -> Self {
+        let period = Duration::from_secs_f64(device.period());
+        let (decoder, bytes, lines) = (Decoder::new(), Vec::new(), Vec::new());
+        Self { device, pty, decoder, bytes, lines, period, due: Instant::now() }
+    }
+
+    /// Lets the device live until now; returns the lines it said.
+    fn live(&mut self) -> Vec<String> {
+        let now = Instant::now();
+        if now.saturating_duration_since(self.due) > CATCH_UP {
+            self.due = now - CATCH_UP;
+        }
+        if let Some(pty) = &self.pty {
+            while let Some(bytes) = pty.received() {
+                self.device.write(&bytes);
+            }
+        }
+        while self.due <= now {
+            self.tick();
+            self.due += self.period;
+        }
+        self.carry();
+        std::mem::take(&mut self.lines)
+    }
+
+    /// Obeys a command as fast as it can be; returns the lines said until the device was quiet.
+    fn obey(&mut self, line: &[u8]) -> Vec<String> {
+        self.device.write(line);
+        if !line.ends_with(b"\n") {
+            self.device.write(b"\n");
+        }
+        // a self-test takes half a second; nothing that is answered takes longer
+        for _ in 0..5_000 {
+            self.tick();
+            self.carry();
+            if self.device.is_quiet() {
+                break;
+            }
+        }
+        std::mem::take(&mut self.lines)
+    }
+
+    fn tick(&mut self) {
+        self.device.tick();
+        self.device.read(&mut self.bytes);
+    }
+
+    /// Bytes to the pseudo-terminal, lines to the console.
+    fn carry(&mut self) {
+        if let Some(pty) = &mut self.pty {
+            pty.send(&self.bytes);
+        }
+        for byte in self.bytes.drain(..) {
+            if let Some(Item::Text(line)) = self.decoder.push(byte) {
+                self.lines.push(line.to_owned());
+            }
+        }
+    }
+}

@@ -56,7 +56,11 @@ impl Pending {
             Self::Move(e) => {
                 let (wave, amplitude, frequency) = (e.wave.id(), e.amplitude_m, e.frequency_hz);
                 write!(out, "ok move {wave} {amplitude} m {frequency} Hz")?;
-                if e.seconds > 0.0 { write!(out, " for {} s", e.seconds) } else { out.write_str(" until `stop`") }
+                if e.seconds > 0.0 {
+                    write!(out, " for {} s", e.seconds)
+                } else {
+                    out.write_str(" until `stop`")
+                }
             }
             Self::Identify(seconds) => {
                 write!(out, "ok identify: {seconds:.0} s of motion, hands off; the result follows")

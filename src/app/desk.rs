@@ -218,7 +218,10 @@ impl Desk {
         if let Some(last) = &self.last {
             self.unseen = self.unseen.saturating_add(telemetry.step.wrapping_sub(last.step).wrapping_sub(1));
             let driven = |mode| matches!(mode, ModeId::Exciting | ModeId::Identifying);
-            if driven(last.outputs.mode) && telemetry.outputs.mode == ModeId::Idle && self.output.fits_line(answer::LINE) {
+            if driven(last.outputs.mode)
+                && telemetry.outputs.mode == ModeId::Idle
+                && self.output.fits_line(answer::LINE)
+            {
                 let mut line = Line::new();
                 let _ = write!(line, "! the motion has ended");
                 self.say(&line);
@@ -323,7 +326,9 @@ impl Desk {
             }
             Command::SelfTest => match self.last.map(|t| t.outputs.mode) {
                 Some(ModeId::Idle) => self.selftest = Some(SelfTest::default()),
-                Some(mode) => self.err("BUSY", format_args!("{}; accepted while idle: `stop` first", mode.id())),
+                Some(mode) => {
+                    self.err("BUSY", format_args!("{}; accepted while idle: `stop` first", mode.id()))
+                }
                 None => self.err("NO_ANSWER", "the control loop does not run"),
             },
         }

@@ -50,14 +50,19 @@ fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
     match settings::PARAMETERS.iter().chain(settings::ALIASES).nth(at) {
         Some(p) => write!(out, "    {:<18} {:<6} {}", p.name, p.unit, p.what),
         None => {
-            write!(out, "    EFFECT.PARAMETER   besides, e.g. stribeck.force_p; `set EFFECT off` removes; effects:")?;
+            write!(
+                out,
+                "    EFFECT.PARAMETER   besides, e.g. stribeck.force_p; `set EFFECT off` removes; effects:"
+            )?;
             EffectKind::ALL.iter().try_for_each(|kind| write!(out, " {}", kind.id()))
         }
     }
 }
 
 /// Name and unit of every parameter of the effects in use.
-fn effect_parameters(settings: &Settings) -> impl Iterator<Item = (&'static str, &'static str, &'static str, f32)> {
+fn effect_parameters(
+    settings: &Settings,
+) -> impl Iterator<Item = (&'static str, &'static str, &'static str, f32)> {
     settings.effects.iter().flatten().flat_map(|effect| {
         let kind = effect.kind;
         let gains = kind.gains().iter().zip(effect.gains);

@@ -76,11 +76,22 @@ impl fmt::Display for Check {
             }
             Finding::LoadCell { newton, span } => {
                 write!(f, "load cell: {newton:.3} N at rest, noise over {span} codes")?;
-                if span == 0 { "; no noise at all: is it connected?" } else { "; hands off, then tare or check its cable" }
+                if span == 0 {
+                    "; no noise at all: is it connected?"
+                } else {
+                    "; hands off, then tare or check its cable"
+                }
             }
             Finding::Accelerometer { metre_per_second_squared, span } => {
-                write!(f, "accelerometer: {metre_per_second_squared:.2} m/s2 at rest, noise over {span} codes")?;
-                if span == 0 { "; no noise at all: is it connected?" } else { "; more than gravity: check its cable" }
+                write!(
+                    f,
+                    "accelerometer: {metre_per_second_squared:.2} m/s2 at rest, noise over {span} codes"
+                )?;
+                if span == 0 {
+                    "; no noise at all: is it connected?"
+                } else {
+                    "; more than gravity: check its cable"
+                }
             }
             Finding::Amplifier { periods_on } => {
                 write!(f, "amplifier: off, force zero ({periods_on} periods on)")?;

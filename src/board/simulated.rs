@@ -7,7 +7,9 @@ use friction::effects::Effect;
 use friction::{Coulomb, Invalid, Karnopp, Law};
 use haptics::{Channel, Device, Inputs, ModeId, Outputs};
 use link::HelpLine;
-use plant::{Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Target, Truth, materials::material};
+use plant::{
+    Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Target, Truth, materials::material,
+};
 use std::collections::VecDeque;
 
 /// Bytes the serial line carries in a control period: 921 600 baud, ten bits a byte.
@@ -173,7 +175,13 @@ impl SimulatedBoard {
                 let _ = write!(
                     out,
                     "t {:.3} s, handle {:.6} m {:.4} m/s {:.3} m/s2, block friction {:.3} N, hand {:.3} N, actuator {:.3} N",
-                    t.time, t.position, t.velocity, t.acceleration, t.friction, t.hand_force, t.actuator_force
+                    t.time,
+                    t.position,
+                    t.velocity,
+                    t.acceleration,
+                    t.friction,
+                    t.hand_force,
+                    t.actuator_force
                 );
             }
             _ => return Err(wrong(out, &words.join(" "), "hand …, block …, truth")),
@@ -308,7 +316,10 @@ impl VirtualDevice {
     /// Every byte was heard and every command answered.
     #[must_use]
     pub fn is_quiet(&self) -> bool {
-        self.input.is_empty() && !self.desk.is_busy() && self.output.is_empty() && self.desk.waiting_output() == 0
+        self.input.is_empty()
+            && !self.desk.is_busy()
+            && self.output.is_empty()
+            && self.desk.waiting_output() == 0
     }
 
     /// One control period of virtual time.
@@ -379,7 +390,12 @@ impl VirtualDevice {
     ///
     /// # Errors
     /// A parameter out of range, or too many effects; the old block stays.
-    pub fn set_block(&mut self, mass: f64, law: Karnopp<f64>, concealed: &[Effect<f64>]) -> Result<(), Invalid> {
+    pub fn set_block(
+        &mut self,
+        mass: f64,
+        law: Karnopp<f64>,
+        concealed: &[Effect<f64>],
+    ) -> Result<(), Invalid> {
         self.board.set_block(mass, law, concealed)
     }
 }

@@ -1,0 +1,63 @@
+//! Without a terminal: each line of input is a command, each line of output an answer.
+
+use super::Running;
+use haptics::ModeId;
+use std::io::{BufRead, Write};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// How much of a motion that was begun is still run after the end of the input, s.
+const FINISH_S: f64 = 120.0;
+
+/// Runs until the input ends.
+///
+/// # Errors
+/// The output is gone.
+pub fn run(mut running: Running, serial_line: &str) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "tribos {}: the firmware on a simulated rig", env!("CARGO_PKG_VERSION"))?;
+    writeln!(out, "{serial_line}")?;
+    out.flush()?;
+    let (typed, commands) = channel();
+    std::thread::spawn(move || {
+        let mut input = std::io::stdin().lock();
+        let mut line = Vec::new();
+        // an input that cannot be read has ended
+        while input.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
+            if typed.send(std::mem::take(&mut line)).is_err() {
+                return;
+            }
+        }
+    });
+    loop {
+        match commands.recv_timeout(Duration::from_millis(1)) {
+            Ok(line) => {
+                let said = running.obey(&line);
+                if !line.trim_ascii().is_empty() {
+                    writeln!(out, "> {}", String::from_utf8_lossy(&line).trim())?;
+                }
+                say(&mut out, &said)?;
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                let said = running.live();
+                say(&mut out, &said)?;
+            }
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+    }
+    // a motion that was asked for is finished, so that its result is not lost
+    let most = (FINISH_S / running.device.period()) as u64;
+    let mut left = 0..most;
+    while matches!(running.device.mode(), ModeId::Exciting | ModeId::Identifying) && left.next().is_some() {
+        running.tick();
+    }
+    let said = running.obey(b"");
+    say(&mut out, &said)
+}
+
+fn say(out: &mut impl Write, lines: &[String]) -> std::io::Result<()> {
+    for line in lines {
+        writeln!(out, "{line}")?;
+    }
+    if lines.is_empty() { Ok(()) } else { out.flush() }
+}
