@@ -26,6 +26,7 @@ const FRAME_XPSR: u64 = 28;
 /// A board with the rig on it.
 pub struct Machine {
     cpu: ArmV7m,
+    space: Arc<AddressSpace>,
     shared: Arc<Shared>,
     ram: Arc<RamStore>,
     image: Image,
@@ -71,10 +72,10 @@ impl Machine {
             // inside the flash: the image was checked
             let _ = flash.write_at(u64::from(address - FLASH_BASE), data);
         }
-        let cpu = ArmV7m::new(Config::CORTEX_M4F.with_priority_bits(4).with_reset_vtor(FLASH_BASE));
-        cpu.attach_space(Arc::new(address_space(&shared, flash, Arc::clone(&ram))));
+        let space = Arc::new(address_space(&shared, flash, Arc::clone(&ram)));
         Ok(Self {
-            cpu,
+            cpu: core(&space),
+            space,
             shared,
             ram,
             handler: image.vector(16 + u32::from(IRQ_ADC1_2)) & !1,
@@ -212,7 +213,8 @@ impl Machine {
     fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.milliseconds(), cause));
         self.shared.soc().reset(cause);
-        self.cpu.request_reset();
+        // a reset of rsemu's leaves the NVIC's settings and a lazy FPU context behind; the chip's does not
+        self.cpu = core(&self.space);
         self.shared.touched.store(true, Relaxed);
         self.entered = None;
     }
@@ -337,6 +339,12 @@ impl Machine {
         }
         top - bottom - free
     }
+}
+
+fn core(space: &Arc<AddressSpace>) -> ArmV7m {
+    let core = ArmV7m::new(Config::CORTEX_M4F.with_priority_bits(4).with_reset_vtor(FLASH_BASE));
+    core.attach_space(Arc::clone(space));
+    core
 }
 
 fn address_space(shared: &Arc<Shared>, flash: Arc<RamStore>, ram: Arc<RamStore>) -> AddressSpace {
