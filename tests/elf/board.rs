@@ -3,6 +3,8 @@
 use emulator::firmware::{self, BuildError};
 use emulator::{Image, Machine};
 use link::{Decoder, Frame, Item, Sample, reply};
+use plant::RigConfig;
+use plant::materials::Material;
 use std::io::Write;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -45,7 +47,18 @@ impl Board {
     /// Powers a board up, with the thesis's rig and nothing on its handle. `None`: see [`image`].
     pub fn boot() -> Option<Self> {
         let image = image()?;
-        let machine = Machine::free_handle(image, 1);
+        Some(Self::of(image, Machine::free_handle(image, 1)))
+    }
+
+    /// Powers a board up whose rig carries a block of this material.
+    pub fn with_block(material: &Material) -> Option<Self> {
+        let image = image()?;
+        let config = RigConfig { block_mass: material.mass, ..RigConfig::default() };
+        let machine = Machine::boot(image, config, material.law, 1).expect("printed parameters");
+        Some(Self::of(image, machine))
+    }
+
+    fn of(image: &'static Image, machine: Machine) -> Self {
         let mut board = Self {
             machine,
             image,
@@ -55,7 +68,7 @@ impl Board {
             corrupt: 0,
         };
         board.run(50.0);
-        Some(board)
+        board
     }
 
     pub fn run(&mut self, ms: f64) {
