@@ -10,6 +10,7 @@
 
 mod audit;
 mod calibrate;
+mod columns;
 mod csv_io;
 mod cutoff;
 mod dahl;
