@@ -44,7 +44,7 @@ fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
     let mut commands = HELP.iter().chain(board.help());
     let count = HELP.len() + board.help().len();
     if let Some(line) = commands.nth(at) {
-        return write!(out, "  {:<50} {}", line.usage, line.what);
+        return write!(out, "  {:<52} {}", line.usage, line.what);
     }
     let Some(at) = at.checked_sub(count + 1) else { return write!(out, "  parameters:") };
     match settings::PARAMETERS.iter().chain(settings::ALIASES).nth(at) {

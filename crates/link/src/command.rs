@@ -180,8 +180,8 @@ fn on_off(word: &str) -> Result<bool, BadCommand<'_>> {
 
 fn motion<'a>(words: &mut Words<'a>) -> Result<Excitation, BadCommand<'a>> {
     let word = words.next()?;
-    let wave = Wave::from_id(word)
-        .ok_or(BadCommand::NotOneOf(word, "sine, multisine, chirp, triangle, dwell"))?;
+    let wave =
+        Wave::from_id(word).ok_or(BadCommand::NotOneOf(word, "sine, multisine, chirp, triangle, dwell"))?;
     let amplitude_m = finite("AMP", words.next()?, "a finite number of metres")?;
     let frequency_hz = finite("FREQ", words.next()?, "a finite number of hertz")?;
     let seconds = match words.rest.next() {

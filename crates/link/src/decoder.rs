@@ -84,7 +84,9 @@ impl Decoder {
         }
         let was = core::mem::replace(&mut self.reading, Reading::Nothing);
         if was == Reading::Frame {
-            return Some(self.frame().map_or(Item::Corrupt(Corrupt::Frame), |(seq, frame)| Item::Frame(seq, frame)));
+            return Some(
+                self.frame().map_or(Item::Corrupt(Corrupt::Frame), |(seq, frame)| Item::Frame(seq, frame)),
+            );
         }
         if self.overlong || byte == 0 {
             return Some(Item::Corrupt(Corrupt::Text));

@@ -28,7 +28,10 @@ pub const HELP: &[HelpLine] = &[
     line("render on|off", "friction on the handle"),
     line("set PARAM VALUE", "one parameter; a refused value leaves the old one"),
     line("get [PARAM]", "one parameter, or all of them"),
-    line("move sine|multisine|chirp|triangle|dwell AMP FREQ [SECONDS]", "drives the handle: m, Hz, s"),
+    line(
+        "move WAVE AMP FREQ [SECONDS]",
+        "drives the handle by sine, multisine, chirp, triangle, dwell; m, Hz, s",
+    ),
     line("stop", "ends what runs; a motion ramps out"),
     line("stream on|off [DECIMATION]", "binary frames, one every so many control periods"),
     line("identify", "the thesis's procedure on the device: 12 s, keep off the handle"),

@@ -66,7 +66,10 @@ impl PresetStore {
 
     /// All names, the built-in ones first.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        Settings::PRESETS.iter().map(|(name, _)| *name).chain(self.saved.iter().map(|(name, _)| name.as_str()))
+        Settings::PRESETS
+            .iter()
+            .map(|(name, _)| *name)
+            .chain(self.saved.iter().map(|(name, _)| name.as_str()))
     }
 
     /// The preset of this name.

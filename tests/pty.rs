@@ -1,0 +1,140 @@
+//! The virtual device as another program meets it: a pseudo-terminal, in real time.
+#![cfg(unix)]
+
+use link::{Decoder, Frame, Item};
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The running program; its standard input is held open, so that it goes on.
+struct Program(Child);
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // it may have ended by itself
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn start() -> (Program, Box<dyn serialport::SerialPort>) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tribos-firmware"))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the virtual device");
+    let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+    let program = Program(child);
+    let name = loop {
+        let line = lines.next().expect("the name of the pseudo-terminal").expect("text");
+        if let Some(rest) = line.strip_prefix("serial line ") {
+            break rest.split_whitespace().next().expect("a name").to_owned();
+        }
+    };
+    // what it says later is read by nobody, and must not stop it
+    std::thread::spawn(move || lines.count());
+    let port = serialport::new(name, 921_600).timeout(Duration::from_millis(20)).open().expect("the port");
+    (program, port)
+}
+
+/// Items of the line until `enough` says so, or a minute has passed.
+fn listen(
+    port: &mut dyn serialport::SerialPort,
+    mut each: impl FnMut(&mut dyn serialport::SerialPort, &Item) -> bool,
+) {
+    let (mut decoder, mut chunk) = (Decoder::new(), [0; 4096]);
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_secs(120) {
+        let Ok(count) = port.read(&mut chunk) else { continue };
+        for byte in &chunk[..count] {
+            if let Some(item) = decoder.push(*byte) {
+                if each(port, &item) {
+                    return;
+                }
+            }
+        }
+    }
+    panic!("not heard in two minutes");
+}
+
+#[test]
+fn ten_seconds_at_one_kilohertz_without_a_lost_frame_under_garbage() {
+    let (_program, mut port) = start();
+    port.write_all(b"preset use rubber\nrender on\nstream on\n").expect("the line");
+    let (mut seqs, mut corrupt, mut answers, mut dropped) = (Vec::new(), 0, Vec::new(), u32::MAX);
+    let begun = Instant::now();
+    listen(port.as_mut(), |port, item| {
+        match item {
+            Item::Frame(seq, frame) => {
+                seqs.push(*seq);
+                if let Frame::Sample(sample) = frame {
+                    dropped = sample.dropped;
+                }
+                if seq % 500 == 250 {
+                    let garbage = b"\xff\x00\x01\x02 get dv\nset dv NaN\nrender o";
+                    port.write_all(garbage).expect("the line");
+                    port.write_all(&[b'x'; 400]).expect("the line");
+                    port.write_all(b"\nget f_static_p\n").expect("the line");
+                }
+            }
+            Item::Text(line) => answers.push((*line).to_owned()),
+            Item::Corrupt(_) => corrupt += 1,
+        }
+        seqs.len() > 10_000
+    });
+    let seconds = begun.elapsed().as_secs_f64();
+    println!("{} frames in {seconds:.2} s, {corrupt} corrupt, {dropped} dropped", seqs.len());
+    assert!(seqs.iter().enumerate().all(|(k, seq)| *seq == k as u32), "every frame, in order, once");
+    assert_eq!((corrupt, dropped), (0, 0));
+    let count = |start: &str| answers.iter().filter(|line| line.starts_with(start)).count();
+    for (start, least) in [
+        ("err NOT_TEXT: byte 0xff in column 1", 20),
+        ("err VALUE: dv = `NaN`", 20),
+        ("err TOO_LONG: ", 20),
+        // table 3-3, unchanged by all that
+        ("ok f_static_p 3.8513 N", 20),
+    ] {
+        println!("{:3} × {start}", count(start));
+        // the last ones may still be on their way
+        assert!(count(start) + 1 >= least, "{start}: {answers:?}");
+    }
+}
+
+#[test]
+fn a_second_host_finds_the_line_free_and_no_old_answers() {
+    let (_program, mut port) = start();
+    let name = port.name().expect("a name");
+    port.write_all(b"version\n").expect("the line");
+    listen(port.as_mut(), |_, item| matches!(item, Item::Text(line) if line.starts_with("ok tribos")));
+    drop(port);
+    let mut port = serialport::new(name, 921_600).timeout(Duration::from_millis(20)).open().expect("again");
+    port.write_all(b"get dv\n").expect("the line");
+    listen(port.as_mut(), |_, item| {
+        assert_eq!(*item, Item::Text("ok dv 0.007 m/s"));
+        true
+    });
+}
+
+#[test]
+fn piped_commands_are_answered_and_the_end_of_input_ends_it() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_tribos-firmware"))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the virtual device");
+    let mut stdin = child.stdin.take().expect("piped");
+    stdin.write_all(b"preset list\npreset use rubber\nrender on\nstatus").expect("input");
+    drop(stdin);
+    let output = child.wait_with_output().expect("an end");
+    let text = String::from_utf8(output.stdout).expect("text");
+    println!("{text}");
+    assert!(output.status.success());
+    for answer in [
+        "ok brass teflon rubber viscous; active brass",
+        "ok rubber\n",
+        "ok render on\n",
+        "ok rendering, preset rubber",
+    ] {
+        assert!(text.contains(answer), "{answer}");
+    }
+}
