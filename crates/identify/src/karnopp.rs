@@ -47,6 +47,8 @@ const ASYMMETRIC: [&str; 5] = ["mass", "coulomb_p", "viscous_p", "coulomb_n", "v
 const SYMMETRIC: [&str; 4] = ["mass", "coulomb", "viscous", "offset"];
 /// Share of the top speed that is set aside before Δv is known.
 const FIRST_BAND: f64 = 0.25;
+/// Share of the top speed that is set aside where Δv stays unknown.
+const BLIND_BAND: f64 = 0.1;
 /// Rows to which the band under Δv contributes more than this through the filter are set aside too.
 const LEAK: f64 = 0.02;
 
@@ -90,7 +92,8 @@ pub fn identify_karnopp(signals: &Signals, options: &KarnoppOptions) -> Result<I
         // As published: no sample is set aside where the preprocessing decimates.
         (None, _) if 2 * ready.force_rows.len() < signals.len() => 0.0,
         (None, Some((dv, _))) => dv + 2.0 * ready.velocity_std,
-        (None, None) => resolution,
+        // Where the step from static to sliding is not seen (a filter blurs it), the band is wide enough to hold one.
+        (None, None) => resolution.max(BLIND_BAND * fastest),
     };
     let rows = Rows::new(&ready, band, options.symmetric);
     let solution = rows.solve();
@@ -134,6 +137,14 @@ impl Rows {
             let columns = vec![acceleration, pick(&ways[0]), pick(&viscous[0]), pick(&ways[1]), pick(&viscous[1])];
             (columns, vec![var_a, 0.0, var_v * share(&ways[0]), 0.0, var_v * share(&ways[1])])
         };
+        let (mut columns, mut errors) = (columns, errors);
+        // Behind a filter a row still sees a little of the band: nothing of it while the body sticks, a level while it
+        // slides through. The data say how much; it is not reported.
+        if band > 0.0 && !ready.signals.keeps_every_sample() {
+            let sign = |i: usize| if v[i] > 0.0 { 1.0 } else { -1.0 };
+            columns.push(pick(&where_(&|v| v.abs() <= band, &sign)));
+            errors.push(0.0);
+        }
         Self { columns, target: pick(&ready.force_rows), at: pick_numbers(&ready.at, &kept), errors, symmetric }
     }
 

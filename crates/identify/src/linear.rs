@@ -55,6 +55,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Singular directions of the scaled columns `kept`: None when they are independent, else the columns that
 /// take part in the weakest direction.
 fn collinear(columns: &[Vec<f64>], kept: &[usize]) -> Option<Vec<usize>> {
+    if kept.is_empty() {
+        return None;
+    }
     let scaled = scaled(columns, kept);
     let svd = scaled.qr().r().svd(false, true);
     let (weakest, value) = svd.singular_values.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -123,11 +126,30 @@ impl Problem<'_> {
                 .max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((k, share)) = worst else { break };
             kept.retain(|o| *o != k);
+            for other in self.stands_for(k, &kept) {
+                if !dropped.iter().any(|(d, _)| *d == other) {
+                    dropped.push((other, Dropped::Collinear(vec![k])));
+                }
+            }
             if !dropped.iter().any(|(d, _)| *d == k) {
                 dropped.push((k, Dropped::Noise(share.min(1.0))));
             }
         }
         self.estimate(&kept, dropped)
+    }
+
+    /// Columns that take over what column `k`, left out, would have explained: those that make it up but for its
+    /// noise. Their coefficients are then sums, not their own.
+    fn stands_for(&self, k: usize, kept: &[usize]) -> Vec<usize> {
+        let column = &self.columns[k];
+        let size = dot(column, column);
+        let x = scaled(self.columns, kept);
+        let y = DVector::from_column_slice(column);
+        let Some(loads) = x.tr_mul(&x).cholesky().map(|c| c.solve(&x.tr_mul(&y))) else { return Vec::new() };
+        if (&x * &loads).norm_squared() < 0.5 * size {
+            return Vec::new();
+        }
+        kept.iter().zip(loads.iter()).filter(|(_, load)| *load * *load > 0.05 * size).map(|(k, _)| *k).collect()
     }
 
     fn estimate(&self, kept: &[usize], mut dropped: Vec<(usize, Dropped)>) -> Option<Solution> {
