@@ -366,3 +366,7 @@ fn address_space(shared: &Arc<Shared>, flash: Arc<RamStore>, ram: Arc<RamStore>)
     drop(map);
     space
 }
+
+#[cfg(test)]
+#[path = "machine_tests.rs"]
+mod tests;
