@@ -119,7 +119,7 @@ impl Reader<'_> {
                 push(Value::Number(x));
             }
             other => {
-                let why = format!("{key}: accepted is a number or a word, not a {}", other.type_str());
+                let why = format!("{key}: accepted is a number or a word, found: {}", other.type_str());
                 return Err(self.error(at, why));
             }
         }
