@@ -104,7 +104,8 @@ fn example(kind: EffectKind) -> Effect<f64> {
     let shape = [("x_max", 0.005), ("x_min", -0.004), ("wavelength", 0.0037), ("v_s", 0.02), ("v_0", 0.05)];
     for (value, parameter) in effect.shape.iter_mut().zip(kind.shape()) {
         let named = shape.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
-        *value = named.unwrap_or(if parameter.unit == "1" { 1.3 } else { (parameter.min * parameter.max).sqrt() });
+        *value =
+            named.unwrap_or(if parameter.unit == "1" { 1.3 } else { (parameter.min * parameter.max).sqrt() });
     }
     effect.validate().expect("a valid example");
     effect
@@ -114,7 +115,8 @@ fn example(kind: EffectKind) -> Effect<f64> {
 fn effects_agree() {
     for &kind in EffectKind::ALL {
         let effect = example(kind);
-        let device = Effect { kind, gains: effect.gains.map(|g| g as f32), shape: effect.shape.map(|s| s as f32) };
+        let device =
+            Effect { kind, gains: effect.gains.map(|g| g as f32), shape: effect.shape.map(|s| s as f32) };
         device.validate().expect("renderable");
         let (mut narrow, mut wide) = (Default::default(), Default::default());
         let (mut worst, mut most) = (0.0_f64, 0.0_f64);

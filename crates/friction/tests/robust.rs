@@ -8,14 +8,14 @@ use proptest::num;
 use proptest::prelude::*;
 
 fn any_finite() -> impl Strategy<Value = f32> {
-    num::f32::NORMAL | num::f32::SUBNORMAL | num::f32::ZERO | -1.0..1.0_f32
+    prop_oneof![1 => num::f32::NORMAL | num::f32::SUBNORMAL | num::f32::ZERO, 1 => -1.0..1.0_f32]
 }
 
 fn any_motion() -> impl Strategy<Value = Motion<f32>> {
     let dt = prop::sample::select(vec![0.0, f32::from_bits(1), 1e-30, 1e-6, 1e-3, 1.0, f32::MAX, -1.0]);
     let mass = prop::sample::select(vec![0.0, f32::from_bits(1), 0.4, 1e3, f32::MAX, -1.0]);
-    (dt, mass, any_finite(), any_finite(), any_finite(), any_finite(), prop::option::of(any_finite())).prop_map(
-        |(dt, mass, position, displacement, velocity, applied, normal)| Motion {
+    (dt, mass, any_finite(), any_finite(), any_finite(), any_finite(), prop::option::of(any_finite()))
+        .prop_map(|(dt, mass, position, displacement, velocity, applied, normal)| Motion {
             dt,
             position,
             displacement,
@@ -23,8 +23,7 @@ fn any_motion() -> impl Strategy<Value = Motion<f32>> {
             applied,
             mass,
             normal,
-        },
-    )
+        })
 }
 
 /// Any valid parameters, the extremes more often than chance would.
@@ -38,7 +37,9 @@ fn viscous() -> impl Strategy<Value = f32> {
 
 fn any_law() -> impl Strategy<Value = Law<f32>> {
     let karnopp = (level(), level(), viscous(), viscous(), level(), level(), 0.0..10.0_f32).prop_map(
-        |(c_p, c_n, b_p, b_n, d_p, d_n, delta_v)| Law::Karnopp(Karnopp { c_p, c_n, b_p, b_n, d_p, d_n, delta_v }),
+        |(c_p, c_n, b_p, b_n, d_p, d_n, delta_v)| {
+            Law::Karnopp(Karnopp { c_p, c_n, b_p, b_n, d_p, d_n, delta_v })
+        },
     );
     let coulomb = (level(), level(), level(), level(), viscous(), viscous()).prop_map(
         |(level_p, level_n, more_p, more_n, viscous_p, viscous_n)| {
@@ -61,15 +62,22 @@ fn any_law() -> impl Strategy<Value = Law<f32>> {
     );
     let lugre = (sigma(), 0.0..1e6_f32, 0.0..1e6_f32, level(), level(), 1e-6..1e3_f32).prop_map(
         |(sigma_0, sigma_1, sigma_2, coulomb, more, stribeck_velocity)| {
-            Law::LuGre(LuGre { sigma_0, sigma_1, sigma_2, coulomb, stiction: coulomb.max(more), stribeck_velocity })
+            Law::LuGre(LuGre {
+                sigma_0,
+                sigma_1,
+                sigma_2,
+                coulomb,
+                stiction: coulomb.max(more),
+                stribeck_velocity,
+            })
         },
     );
     prop_oneof![karnopp, coulomb, dahl, lugre]
 }
 
 fn any_effect() -> impl Strategy<Value = Effect<f32>> {
-    (0..EffectKind::ALL.len(), prop::array::uniform4(0.0..=1.0_f64), prop::array::uniform2(0.0..=1.0_f64)).prop_map(
-        |(which, gains, shape)| {
+    (0..EffectKind::ALL.len(), prop::array::uniform4(0.0..=1.0_f64), prop::array::uniform2(0.0..=1.0_f64))
+        .prop_map(|(which, gains, shape)| {
             let kind = EffectKind::ALL[which];
             let mut effect = Effect { kind, gains: [0.0; 4], shape: [0.0; 2] };
             for ((gain, share), p) in effect.gains.iter_mut().zip(gains).zip(kind.gains()) {
@@ -79,8 +87,7 @@ fn any_effect() -> impl Strategy<Value = Effect<f32>> {
                 *value = ((p.min + (p.max - p.min) * share) as f32).clamp(p.min as f32, p.max as f32);
             }
             effect
-        },
-    )
+        })
 }
 
 proptest! {
@@ -192,11 +199,26 @@ fn nothing_is_remembered_beyond_the_limits_after_a_preset_was_swapped() {
 
 #[test]
 fn laws_without_friction_give_none() {
-    let m = |v: f64| Motion { dt: 1e-3, displacement: v * 1e-3, velocity: v, applied: 1.0, mass: 0.4, ..Motion::default() };
+    let m = |v: f64| Motion {
+        dt: 1e-3,
+        displacement: v * 1e-3,
+        velocity: v,
+        applied: 1.0,
+        mass: 0.4,
+        ..Motion::default()
+    };
     for v in [-1.0, -1e-3, 0.0, 1e-3, 1.0] {
         let k = Karnopp { c_p: 0.0, c_n: 0.0, b_p: 0.0, b_n: 0.0, d_p: 0.0, d_n: 0.0, ..rubber() };
         assert_eq!(k.step(&mut (), &m(v)), 0.0);
-        let c = Coulomb { level_p: 0.0, level_n: 0.0, static_p: 0.0, static_n: 0.0, viscous_p: 0.0, viscous_n: 0.0, ..coulomb() };
+        let c = Coulomb {
+            level_p: 0.0,
+            level_n: 0.0,
+            static_p: 0.0,
+            static_n: 0.0,
+            viscous_p: 0.0,
+            viscous_n: 0.0,
+            ..coulomb()
+        };
         assert_eq!(c.step(&mut Default::default(), &m(v)), 0.0);
         let d = Dahl { limit_p: 0.0, limit_n: 0.0, viscous: 0.0, ..dahl() };
         assert_eq!(d.step(&mut Default::default(), &m(v)), 0.0);

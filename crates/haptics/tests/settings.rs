@@ -65,7 +65,7 @@ fn whatever_is_refused_is_accepted_with_the_number_named() {
         (base, "k_vc", "1e6"),
         (base, "k_vc", "-5"),
         (base, "k_vc", "0"),
-        (impedance, "k_vc", "40000"),
+        (impedance, "k_vc", "60000"),
         (base, "b_vc", "1200"),
         (base, "b_vc", "-1"),
         (base, "f_static_p", "30"),

@@ -45,8 +45,9 @@ impl Signature for FrictionDrift {
         let [elapsed, rest, ..] = memory;
         let v = motion.velocity;
         let now = (-((*elapsed + *rest) / settling_time)).exp();
-        *rest += motion.dt.max(S::zero());
-        let sum = *elapsed + *rest;
+        let far = S::lit(1e30); // where nothing is left of it; beyond, f32 would meet ∞ − ∞
+        *rest += motion.dt.clamp(S::zero(), far);
+        let sum = far.min(*elapsed + *rest);
         *rest -= sum - *elapsed;
         *elapsed = sum;
         by_direction(v, v.sgn() * now)

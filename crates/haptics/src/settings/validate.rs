@@ -7,6 +7,10 @@ use friction::effects::EffectKind;
 
 /// Heaviest virtual block, kg.
 const HEAVIEST: f32 = 100.0;
+/// Lightest, kg.
+const LIGHTEST: f32 = 1e-3;
+/// A block is this much heavier than where it would begin to oscillate.
+const HEAVIER: f64 = 1.001;
 /// Smallest speed that may be taken for zero, and Stribeck velocity, m/s.
 const SLOWEST: f32 = 1e-6;
 /// Share of a bound on damping that is used. A period of delay halves what the sampled device takes.
@@ -57,12 +61,12 @@ impl Settings {
     /// give energy, a coupling outside its stability bounds.
     pub fn validate(&self, device: &Device) -> Result<Option<Warning>, Refused> {
         self.levels(device)?;
-        within("mass", self.mass, 1e-3, HEAVIEST, "kg")?;
-        self.damping(device)?;
         within("dv", self.dv, SLOWEST, device.overspeed, "m/s; taken for zero below it")?;
         self.coupling(device)?;
-        self.bristles(device)?;
+        // the mass before what depends on it: a person who types a mass is told of the mass
         self.block(device)?;
+        self.bristles(device)?;
+        self.damping(device)?;
         self.check_effects(device)?;
         Ok(self.unfaithful(device))
     }
@@ -80,16 +84,18 @@ impl Settings {
         within("f_static_n", self.f_static_n, low(self.f_dynamic_n), most, static_why)
     }
 
+    /// Most viscous damping, N·s/m, that may be asked for however heavy the block: what the sampled device takes.
+    fn damping_cap(device: &Device) -> f64 {
+        let (mass, damping, period) =
+            (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
+        DAMPING_SHARE * bounds::damping_max(mass, damping, period)
+    }
+
     fn damping(&self, device: &Device) -> Result<(), Refused> {
-        let mass = match self.renderer {
-            RendererKind::Impedance => f64::from(device.mass),
-            RendererKind::VirtualCoupling => f64::from(self.mass),
-        };
+        let cap = Self::damping_cap(device);
         let high = match self.renderer {
-            RendererKind::Impedance => {
-                DAMPING_SHARE * bounds::damping_max(mass, f64::from(device.damping), f64::from(device.period))
-            }
-            RendererKind::VirtualCoupling => bounds::damping_singular(mass, 0.0, f64::from(device.period)),
+            RendererKind::Impedance => cap,
+            RendererKind::VirtualCoupling => cap.min(self.room(device, self.bristle_stiffness())),
         };
         let why = "N·s/m; below, it would give energy at the largest speed, above, one period overshoots";
         for (name, value, dynamic) in
@@ -124,59 +130,82 @@ impl Settings {
     fn coupling(&self, device: &Device) -> Result<(), Refused> {
         let (mass, damping, period) =
             (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
-        let most = at_most(DAMPING_SHARE * bounds::damping_max(mass, damping, period));
+        let most = at_most(Self::damping_cap(device));
         within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, a period of delay lets the handle oscillate")?;
         let most = at_most(bounds::stiffness_max(mass, damping, period, f64::from(self.b_vc)));
         within("k_vc", self.k_vc, 1.0, most, "N/m; above, the stuck handle oscillates (eq. 4.18)")
+    }
+
+    /// Stiffness of the bristles, N/m; 0 for a law without.
+    fn bristle_stiffness(&self) -> f64 {
+        if matches!(self.law, LawKind::Dahl | LawKind::LuGre) { f64::from(self.sigma) } else { 0.0 }
+    }
+
+    /// Damping of the bristles, N·s/m; 0 for a law without.
+    fn bristle_damping(&self) -> f64 {
+        if self.law == LawKind::LuGre { f64::from(self.sigma_1) } else { 0.0 }
+    }
+
+    /// Damping, N·s/m, that the block takes beside its coupling and bristles: KT² + 2BT < 4M, where eq. 4.35 is
+    /// singular, with a thousandth to spare.
+    fn room(&self, device: &Device, bristles: f64) -> f64 {
+        let period = f64::from(device.period);
+        bounds::damping_singular(f64::from(self.mass) / HEAVIER, f64::from(self.k_vc) + bristles, period)
+            - f64::from(self.b_vc)
+            - self.bristle_damping()
     }
 
     fn bristles(&self, device: &Device) -> Result<(), Refused> {
         within("stribeck_velocity", self.stribeck_velocity, SLOWEST, device.overspeed, "m/s")?;
         let (mass, damping, period) =
             (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
-        let bristled = matches!(self.law, LawKind::Dahl | LawKind::LuGre);
         // laws without bristles do not use these, but a switch of law must not meet nonsense
         let (mut sigma_most, mut sigma_1_most) = (1e9, 1e6);
-        if bristled && self.renderer == RendererKind::Impedance {
-            let inner = if self.law == LawKind::LuGre { f64::from(self.sigma_1) } else { 0.0 };
-            sigma_1_most = at_most(DAMPING_SHARE * bounds::damping_max(mass, damping, period));
-            sigma_most = at_most(bounds::stiffness_max(mass, damping, period, inner));
+        if matches!(self.law, LawKind::Dahl | LawKind::LuGre) {
+            let inner = self.bristle_damping();
+            sigma_1_most = at_most(Self::damping_cap(device));
+            sigma_most = match self.renderer {
+                RendererKind::Impedance => at_most(bounds::stiffness_max(mass, damping, period, inner)),
+                RendererKind::VirtualCoupling => {
+                    // what is left when the viscous damping has its share, in N/m
+                    let viscous = self.viscous_within(device);
+                    at_most((self.room(device, 0.0) - viscous) * 2.0 / period)
+                }
+            };
         }
-        within("sigma_1", self.sigma_1, 0.0, sigma_1_most, "N·s/m; above, the handle oscillates")?;
-        within(
-            "sigma",
-            self.sigma,
-            1.0,
-            sigma_most,
-            "N/m; above, the handle oscillates on its bristles (eq. 4.18)",
-        )
+        let why = "N·s/m; above, what rubs oscillates";
+        within("sigma_1", self.sigma_1, 0.0, sigma_1_most, why)?;
+        let why = "N/m; above, what rubs oscillates on its bristles (eq. 4.18, 4.35)";
+        within("sigma", self.sigma, 1.0, sigma_most, why)
     }
 
-    /// The block between a handle held still and the surface: KT² + 2BT < 4M, where eq. 4.35 is singular.
+    /// The larger viscous damping where it is one that may be asked for, else 0: it is then refused by itself.
+    fn viscous_within(&self, device: &Device) -> f64 {
+        let cap = Self::damping_cap(device);
+        let share = |x: f32| if f64::from(x) <= cap { f64::from(x).max(0.0) } else { 0.0 };
+        share(self.damping_p).max(share(self.damping_n))
+    }
+
+    /// The mass, and with the virtual coupling the block between a handle held still and the surface:
+    /// KT² + 2BT < 4M, where eq. 4.35 is singular. Bristles that no block of 1 kg takes are refused by themselves.
     fn block(&self, device: &Device) -> Result<(), Refused> {
-        if self.renderer == RendererKind::Impedance {
-            return Ok(());
-        }
-        let period = f64::from(device.period);
-        let mut stiffness = f64::from(self.k_vc);
-        let mut damping =
-            f64::from(self.b_vc) + f64::from(self.damping_p).max(f64::from(self.damping_n)).max(0.0);
-        match self.law {
-            LawKind::Karnopp | LawKind::Coulomb => {}
-            LawKind::Dahl => stiffness += f64::from(self.sigma),
-            LawKind::LuGre => {
-                stiffness += f64::from(self.sigma);
-                damping += f64::from(self.sigma_1);
+        let why = "kg; a lighter block oscillates on its coupling (eq. 4.35)";
+        let mut lightest = LIGHTEST;
+        if self.renderer == RendererKind::VirtualCoupling {
+            let period = f64::from(device.period);
+            let mut damping = f64::from(self.b_vc) + self.viscous_within(device);
+            let (inner, sigma) = (self.bristle_damping(), self.bristle_stiffness());
+            if inner <= Self::damping_cap(device) {
+                damping += inner;
             }
+            let mut stiffness = f64::from(self.k_vc);
+            if sigma <= bounds::stiffness_singular(1.0, damping, period) - stiffness {
+                stiffness += sigma;
+            }
+            let needed = (stiffness * period * period + 2.0 * damping * period) / 4.0 * HEAVIER;
+            lightest = LIGHTEST.max(at_least(needed));
         }
-        let lightest = at_least((stiffness * period * period + 2.0 * damping * period) / 4.0 * 1.001);
-        within(
-            "mass",
-            self.mass,
-            lightest,
-            HEAVIEST,
-            "kg; a lighter block oscillates on its coupling (eq. 4.35)",
-        )
+        within("mass", self.mass, lightest, HEAVIEST, why)
     }
 
     fn check_effects(&self, device: &Device) -> Result<(), Refused> {
