@@ -30,10 +30,10 @@ pub(crate) fn central_gain(fraction: f64, dt: f64) -> f64 {
 }
 
 /// The highest cut-off, in Hz, at which `noise(cutoff)`, the standard deviation of the acceleration's error, is
-/// below [`NOISE_SHARE`] of `signal(cutoff)`, its root mean square; from a fifth of the sampling rate downward in
+/// below [`NOISE_SHARE`] of `signal(cutoff)`, its root mean square; from a tenth of the sampling rate downward in
 /// steps of a fifth, but not below `floor`.
 pub(crate) fn choose(dt: f64, floor: f64, noise: impl Fn(f64) -> f64, signal: impl Fn(f64) -> f64) -> f64 {
-    let highest = 0.2 / dt;
+    let highest = 0.1 / dt;
     let floor = floor.min(highest);
     let mut cutoff = highest;
     while cutoff > floor {

