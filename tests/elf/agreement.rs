@@ -1,10 +1,48 @@
 //! The control step on the target and on this machine, bit for bit.
 
 use crate::board::Board;
-use haptics::{Control, Device, Inputs, ModeId, Request, Settings};
+use haptics::{Control, Device, Excitation, Inputs, Request, Settings, Wave};
+use link::Sample;
+
+fn inputs(sample: &Sample) -> Inputs {
+    Inputs {
+        sample_ticks: sample.sample_ticks,
+        count: sample.count as u32,
+        edge_ticks: sample.edge_ticks(),
+        load_code: sample.load_code,
+        accel_code: sample.accel_code,
+    }
+}
+
+fn host(preset: &str) -> Control {
+    let settings = Settings::preset(preset).expect("built in");
+    Control::new(settings.build(&Device::default()).expect("fits the rig"))
+}
+
+/// Replays what the target has measured, with the request in the period in which it left the idle state. Returns how
+/// many forces were compared since then, how many of them with the block sliding, and the largest.
+fn replay(board: &Board, mut host: Control, request: &Request) -> (u32, u32, f32) {
+    let mut idle = true;
+    let (mut compared, mut sliding, mut largest) = (0, 0, 0.0_f32);
+    for (_, sample) in board.samples() {
+        let begins = idle && sample.mode != 0;
+        idle &= !begins;
+        let outputs = host.step(begins.then_some(request), &inputs(&sample));
+        let step = sample.step;
+        assert_eq!((sample.fault, sample.mode), (0, outputs.mode.code()), "step {step}");
+        let (here, there) = (outputs.force, sample.force);
+        assert_eq!(here.to_bits(), there.to_bits(), "step {step}: host {here} N, target {there} N");
+        assert_eq!(outputs.reference.to_bits(), sample.reference.to_bits(), "step {step}");
+        compared += u32::from(!idle);
+        sliding += u32::from(!idle && !outputs.stuck);
+        largest = largest.max(outputs.force.abs());
+    }
+    assert_eq!(board.corrupt, 0);
+    (compared, sliding, largest)
+}
 
 #[test]
-fn target_and_host_compute_the_same_forces_bit_for_bit() {
+fn target_and_host_render_the_same_forces_bit_for_bit() {
     for name in ["brass", "teflon", "rubber", "viscous"] {
         let Some(mut board) = Board::boot() else { return };
         board.ok(&format!("preset use {name}"));
@@ -14,37 +52,28 @@ fn target_and_host_compute_the_same_forces_bit_for_bit() {
         // slides both ways, turns, sticks
         board.machine.set_hand(|t: f64, x: f64, v: f64| 900.0 * (0.006 * (9.0 * t).sin() - x) - 8.0 * v);
         board.run(2_000.0);
-        let device = Device::default();
-        let config = Settings::preset(name).expect("built in").build(&device).expect("fits the rig");
-        let mut host = Control::new(config);
-        let mut idle = true;
-        let (mut compared, mut sliding, mut largest) = (0, 0, 0.0_f32);
-        for (_, sample) in board.samples() {
-            let inputs = Inputs {
-                sample_ticks: sample.sample_ticks,
-                count: sample.count as u32,
-                edge_ticks: sample.edge_ticks(),
-                load_code: sample.load_code,
-                accel_code: sample.accel_code,
-            };
-            let begins = idle && sample.mode == ModeId::Rendering.code();
-            idle &= !begins;
-            let outputs = host.step(begins.then_some(&Request::Render(true)), &inputs);
-            assert_eq!(sample.fault, 0);
-            assert_eq!(
-                outputs.force.to_bits(),
-                sample.force.to_bits(),
-                "{name}, step {}: host {} N, target {} N",
-                sample.step,
-                outputs.force,
-                sample.force
-            );
-            compared += u32::from(!idle);
-            sliding += u32::from(!idle && !outputs.stuck);
-            largest = largest.max(outputs.force.abs());
-        }
+        let (compared, sliding, largest) = replay(&board, host(name), &Request::Render(true));
         println!("{name}: {compared} forces identical, {sliding} of them sliding, up to {largest:.2} N");
         assert!(compared > 1_900 && sliding > 100, "{name}");
-        assert_eq!(board.corrupt, 0);
+    }
+}
+
+#[test]
+fn target_and_host_drive_the_handle_bit_for_bit() {
+    for wave in ["sine", "multisine", "chirp", "triangle", "dwell"] {
+        let Some(mut board) = Board::boot() else { return };
+        board.ok("stream on");
+        board.run(20.0);
+        board.ok(&format!("move {wave} 0.006 2 0.5"));
+        board.run(1_200.0);
+        let excitation = Excitation {
+            wave: Wave::from_id(wave).expect("one of the five"),
+            amplitude_m: 0.006,
+            frequency_hz: 2.0,
+            seconds: 0.5,
+        };
+        let (compared, _, largest) = replay(&board, host("brass"), &Request::Excite(excitation));
+        println!("{wave}: {compared} forces identical, up to {largest:.2} N");
+        assert!(compared > 1_000 && largest > 0.2, "{wave}");
     }
 }
