@@ -1,7 +1,7 @@
 //! Any motion at all: bounded, finite for finite input, and one bad sample does not last.
 
 mod common;
-use common::{coulomb, dahl, laws, lugre, rubber};
+use common::{dahl, laws, lugre, rubber};
 use friction::effects::{Effect, EffectKind, EffectState};
 use friction::{Coulomb, Dahl, FrictionLaw, Karnopp, Law, LuGre, Motion};
 use proptest::num;
@@ -217,7 +217,6 @@ fn laws_without_friction_give_none() {
             static_n: 0.0,
             viscous_p: 0.0,
             viscous_n: 0.0,
-            ..coulomb()
         };
         assert_eq!(c.step(&mut Default::default(), &m(v)), 0.0);
         let d = Dahl { limit_p: 0.0, limit_n: 0.0, viscous: 0.0, ..dahl() };

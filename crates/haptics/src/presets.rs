@@ -6,6 +6,9 @@
 
 use crate::settings::{LawKind, MAX_EFFECTS, RendererKind, Settings};
 
+/// Makes a preset.
+pub type Make = fn() -> Settings;
+
 impl Settings {
     /// A frame for the presets: the coupling, and what the other laws need.
     const fn karnopp(levels: [f32; 6], dv: f32, mass: f32) -> Self {
@@ -64,7 +67,7 @@ impl Settings {
     }
 
     /// The presets by name.
-    pub const PRESETS: &'static [(&'static str, fn() -> Self)] = &[
+    pub const PRESETS: &'static [(&'static str, Make)] = &[
         ("brass", Self::brass),
         ("teflon", Self::teflon),
         ("rubber", Self::rubber),

@@ -91,7 +91,8 @@ pub fn sine(phase: u32) -> f32 {
     // Hastings' polynomial for sin(πt/2), |t| ≤ 1
     let t = p as f32 * (1.0 / QUARTER as f32);
     let s = t * t;
-    t * (1.570_796_3 + s * (-0.645_963_7 + s * (0.079_689_68 + s * (-0.004_673_765_6 + s * 0.000_151_484_2))))
+    t * (core::f32::consts::FRAC_PI_2
+        + s * (-0.645_963_7 + s * (0.079_689_68 + s * (-0.004_673_765_6 + s * 0.000_151_484_2))))
 }
 
 /// Constant speed with rounded corners, peak exactly 1.
@@ -220,7 +221,7 @@ mod tests {
         let excitation = Excitation { wave: Wave::Dwell, amplitude_m: 1.0, frequency_hz: 1.0, seconds: 0.0 };
         let mut generator = Generator::new(&excitation, 1e-3);
         let mut rests = std::vec::Vec::new();
-        let mut length = 0;
+        let mut length = 0_i32;
         for _ in 0..12_000 {
             if generator.next().abs() >= 1.0 {
                 length += 1;
@@ -234,7 +235,7 @@ mod tests {
         println!("rests in ms: {rests:?}");
         assert!(rests.len() >= 5);
         for (rest, expected) in rests.iter().zip([250, 500, 1_000, 2_000, 250]) {
-            assert!((*rest as i32 - expected).abs() <= 12, "rest {rest} ms, expected {expected}");
+            assert!(rest.abs_diff(expected) <= 12, "rest {rest} ms, expected {expected}");
         }
     }
 }

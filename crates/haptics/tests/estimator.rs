@@ -71,7 +71,7 @@ fn constant_speeds_at_least_ten_times_better_than_fixed_time_differencing() {
     for speed in [0.05e-3, 0.2e-3, 1e-3, 2.57e-3, 3.3e-3, 4.9e-3, 20e-3, 77.7e-3, 200e-3] {
         // long enough for the first two edges to be history
         let settle = (3.0 * COUNT / speed / 1e-3) as usize + 3;
-        let (mut square, mut plain_square, mut sum, mut lag, mut n) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut square, mut plain_square, mut sum, mut lag, mut n) = (0.0, 0.0, 0.0, 0.0, 0.0_f64);
         for phase in [0.0, 0.37, 0.81] {
             let mut encoder = Encoder::new(|t| speed * t, phase, 0xFFFF_0000);
             let mut estimator = Estimator::default();
@@ -92,7 +92,7 @@ fn constant_speeds_at_least_ten_times_better_than_fixed_time_differencing() {
                 (previous, previous_edge) = (count, edge);
             }
         }
-        let (std, plain) = ((square / n as f64).sqrt(), (plain_square / n as f64).sqrt());
+        let (std, plain) = ((square / n).sqrt(), (plain_square / n).sqrt());
         println!(
             "{:12.2} | {:13.6} | {:14.4} | {:5.0} | {:9.6} | {:.3}",
             speed * 1e3,
@@ -134,7 +134,7 @@ fn a_slow_sine_through_many_reversals() {
             }
             previous = count;
         }
-        let (rms, plain) = ((square / n as f64).sqrt(), (plain_square / n as f64).sqrt());
+        let (rms, plain) = ((square / n).sqrt(), (plain_square / n).sqrt());
         let peak = amplitude * turn;
         println!(
             "sine {:.2} mm {hz} Hz, peak {:.2} mm/s: M/T rms {:.4}, worst {:.4}, fixed time rms {:.4} mm/s",

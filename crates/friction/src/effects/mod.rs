@@ -1,5 +1,5 @@
 //! The catalogue of physics that a complete law leaves out. Each effect is one file, a force that is linear in
-//! its gains once its shape is given, and one line in the [`catalogue!`] below.
+//! its gains once its shape is given, and one line in the `catalogue!` below.
 //!
 //! Sign and units are those of [`crate::FrictionLaw`]: N, positive against positive motion, to be added to
 //! the friction of a law. On a rotary axis read N·m for N and rad for m. In a recording `Motion.applied` is the

@@ -1,4 +1,5 @@
-//! What people set: one flat set of parameters in SI, validated against the device and built into a [`Config`].
+//! What people set: one flat set of parameters in SI, validated against the device and built into a
+//! [`Config`](crate::Config).
 
 mod build;
 mod effects;
