@@ -72,8 +72,8 @@ const LATCH_US: u32 = 60;
 pub const WATCHDOG_US: u32 = 50_000;
 /// Baud rate of the serial line.
 pub const BAUD: u32 = 921_600;
-/// Bytes from the serial line that may wait for the tasks: 11 ms of them.
-pub const RX_BYTES: usize = 1024;
+/// Bytes from the serial line that may wait for the tasks: a page pasted at once, 44 ms of the line.
+pub const RX_BYTES: usize = 4096;
 /// N of one step of the DAC, whose code 2048 is no force.
 pub const NEWTON_PER_CODE: f32 = 10.0 / 2048.0;
 /// Code of no force.

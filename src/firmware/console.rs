@@ -1,7 +1,7 @@
 //! Moves bytes between the serial line and the desk, once a millisecond.
 //!
 //! Polled, not awaited: embassy's buffered writer does not wake a task that waits for room. A byte waits at most a
-//! millisecond, the buffers hold eleven.
+//! millisecond, the smaller buffer holds eleven.
 
 use embassy_futures::poll_once;
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx};

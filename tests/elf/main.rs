@@ -171,24 +171,31 @@ fn garbage_is_answered_and_changes_nothing() {
 }
 
 #[test]
-fn a_page_pasted_at_once_is_obeyed_line_by_line() {
+fn a_page_pasted_at_once_is_obeyed_line_by_line_and_never_the_halves_of_two() {
     let Some(mut board) = Board::boot() else { return };
-    let page: String = (0..100).map(|k| format!("set f_dynamic 1.{k:02}\n")).collect();
-    let said = board.say(page.as_bytes(), 400.0);
-    let obeyed = said.iter().filter(|line| line.starts_with("ok")).count();
-    let refused = said.len() - obeyed;
-    println!(
-        "{} bytes at once: {obeyed} lines obeyed, {refused} refused, {} bytes lost by the receiver",
-        page.len(),
-        board.machine.serial_overruns()
-    );
-    assert_eq!(board.machine.serial_overruns(), 0);
-    // each obeyed line is one that was typed: never the halves of two
-    for line in said.iter().filter(|line| line.starts_with("ok")) {
-        let value = line.split_whitespace().find_map(|word| word.parse::<f64>().ok()).expect("a value");
-        assert!((1.0..2.0).contains(&value), "{line}");
+    // the second is more than the device can hold: lines are lost, each loss is told
+    for (lines, least) in [(100, 100), (600, 200)] {
+        let page: String = (0..lines).map(|k| format!("set f_dynamic 1.{:02}\n", k % 80)).collect();
+        let mut said = board.say(page.as_bytes(), 1_500.0);
+        // what is lost is told with the end of the line that it is missing from
+        said.extend(board.say(b"\n", 50.0));
+        let (obeyed, refused): (Vec<_>, Vec<_>) = said.iter().partition(|line| line.starts_with("ok"));
+        let lost = board.machine.serial_overruns();
+        println!(
+            "{lines} lines, {} bytes at once: {} obeyed, {} refused, {lost} bytes lost by the receiver",
+            page.len(),
+            obeyed.len(),
+            refused.len(),
+        );
+        assert_eq!(lost, 0);
+        assert!(obeyed.len() >= least && (obeyed.len() == lines || !refused.is_empty()));
+        // each obeyed line is one that was typed
+        for line in obeyed {
+            let value = line.split_whitespace().find_map(|word| word.parse::<f64>().ok()).expect("a value");
+            assert!((1.0..2.0).contains(&value), "{line}");
+        }
+        assert!(refused.iter().all(|line| line.starts_with("err NOT_TEXT")), "{refused:?}");
     }
-    assert!(obeyed >= 20, "{said:?}");
     assert!(board.ok("get f_dynamic").starts_with("ok f_dynamic"), "in step again");
 }
 
