@@ -92,7 +92,12 @@ fn checked(start: &DahlStart) -> Result<Point, Error> {
             return Err(Error::Parameter {
                 parameter: NAMES[k].into(),
                 value: value.to_string(),
-                accepted: if positive { "accepted is a number above 0" } else { "accepted is a finite number" }.into(),
+                accepted: if positive {
+                    "accepted is a number above 0"
+                } else {
+                    "accepted is a finite number"
+                }
+                .into(),
             });
         }
     }
@@ -102,9 +107,14 @@ fn checked(start: &DahlStart) -> Result<Point, Error> {
 /// Mass, viscous and the mean limit from a straight line through every sample; σ for a bristle of a hundredth of the stroke.
 fn first_guess(ready: &Ready<'_>) -> Result<Point, Error> {
     let band = 0.1 * ready.velocity.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let sign: Vec<f64> = ready.velocity.iter().map(|v| if v.abs() > band { v.signum() } else { v / band.max(1e-300) }).collect();
+    let sign: Vec<f64> = ready
+        .velocity
+        .iter()
+        .map(|v| if v.abs() > band { v.signum() } else { v / band.max(1e-300) })
+        .collect();
     let columns = vec![ready.acceleration_rows.clone(), ready.velocity_rows.clone(), ready.rows(&sign)];
-    let solution = Problem { columns: &columns, target: &ready.force_rows, at: &ready.at, errors: &[0.0; 3] }.solve();
+    let solution =
+        Problem { columns: &columns, target: &ready.force_rows, at: &ready.at, errors: &[0.0; 3] }.solve();
     let Some(c) = solution.map(|s| s.coefficients).filter(|_| ready.travel > 0.0) else {
         return Err(Error::Recording {
             recording: ready.signals.name.clone(),
@@ -162,7 +172,8 @@ impl Report<'_> {
     /// Squared error that one independent sample is worth.
     fn unit(&self, independence: f64) -> f64 {
         let n = self.trace.force.len() as f64;
-        (self.best.cost.max(0.0) / (n - COUNT as f64).max(1.0) / independence.clamp(1e-6, 1.0)).max(f64::MIN_POSITIVE)
+        (self.best.cost.max(0.0) / (n - COUNT as f64).max(1.0) / independence.clamp(1e-6, 1.0))
+            .max(f64::MIN_POSITIVE)
     }
 
     fn level(&self) -> f64 {
@@ -184,7 +195,8 @@ impl Report<'_> {
 
     /// Where the profile leaves the 95 % region on one side, walking by `step` up to `end`.
     fn side(&mut self, step: f64, end: f64, independence: f64) -> Option<f64> {
-        let above = |report: &Self, cost: f64| cost - report.best.cost > CHI_SQUARED * report.unit(independence);
+        let above =
+            |report: &Self, cost: f64| cost - report.best.cost > CHI_SQUARED * report.unit(independence);
         let (mut at, mut point) = (self.best.point[SIGMA], self.best.point);
         loop {
             let next = at + step;
@@ -222,7 +234,9 @@ impl Report<'_> {
     fn identification(mut self) -> Identification {
         let independence = self.covariance(&ALL).map_or(1.0, |c| c.2);
         let profile = self.profile(independence);
-        let known = profile.low.is_some() && profile.high.is_some() && self.bristle() > RESOLVED * self.ready.position_std;
+        let known = profile.low.is_some()
+            && profile.high.is_some()
+            && self.bristle() > RESOLVED * self.ready.position_std;
         let free: &[usize] = if known { &ALL } else { &BUT_SIGMA };
         let solution = self.covariance(free);
         let units = self.ready.units;
@@ -233,7 +247,9 @@ impl Report<'_> {
         let (mut of, mut correlation) = (Vec::new(), Vec::new());
         let (variances, dropped) = solution
             .as_ref()
-            .map_or((Vec::new(), free.iter().map(|k| (*k, Dropped::Absent)).collect()), |(s, d, _)| (s.clone(), d.clone()));
+            .map_or((Vec::new(), free.iter().map(|k| (*k, Dropped::Absent)).collect()), |(s, d, _)| {
+                (s.clone(), d.clone())
+            });
         for (j, k) in free.iter().enumerate() {
             let name = NAMES[*k];
             let variance = variances.get(j).and_then(|row| row.get(j)).copied().unwrap_or(f64::NAN);
@@ -299,7 +315,11 @@ impl Report<'_> {
             r_squared: fit.r_squared,
             estimator: format!(
                 "Levenberg-Marquardt on Dahl's law with exact derivatives{}; {}, {} evaluations from the last start; σ by profile likelihood",
-                if self.trace.errors == [0.0, 0.0] { "" } else { ", then Fuller's correction for errors in velocity and acceleration (eq. 3.9)" },
+                if self.trace.errors == [0.0, 0.0] {
+                    ""
+                } else {
+                    ", then Fuller's correction for errors in velocity and acceleration (eq. 3.9)"
+                },
                 if self.best.converged { "converged" } else { "not converged" },
                 self.best.evaluations,
             ),
@@ -319,10 +339,15 @@ impl Report<'_> {
             (0..free.len()).map(|j| jacobian.column(j).iter().copied().collect()).collect();
         // The law made linear here: the same regression has the same errors.
         let target: Vec<f64> = (0..residual.len())
-            .map(|i| free.iter().enumerate().map(|(j, k)| columns[j][i] * self.best.point[*k]).sum::<f64>() - residual[i])
+            .map(|i| {
+                free.iter().enumerate().map(|(j, k)| columns[j][i] * self.best.point[*k]).sum::<f64>()
+                    - residual[i]
+            })
             .collect();
-        let errors: Vec<f64> = free.iter().map(|k| if *k < LIMIT_P { self.trace.errors[*k] } else { 0.0 }).collect();
-        let s = Problem { columns: &columns, target: &target, at: &self.ready.at, errors: &errors }.solve()?;
+        let errors: Vec<f64> =
+            free.iter().map(|k| if *k < LIMIT_P { self.trace.errors[*k] } else { 0.0 }).collect();
+        let s =
+            Problem { columns: &columns, target: &target, at: &self.ready.at, errors: &errors }.solve()?;
         let covariance =
             (0..free.len()).map(|i| (0..free.len()).map(|j| s.covariance[(i, j)]).collect()).collect();
         let dropped = s.dropped.into_iter().filter_map(|(j, why)| free.get(j).map(|k| (*k, why))).collect();

@@ -57,7 +57,13 @@ impl Trace<'_> {
         let p = bounded(p);
         let log = |k: usize, i: usize| Dual::lit(p[k]).derivative(i).exp();
         let (limit_p, limit_n) = (log(LIMIT_P, 0), log(LIMIT_N, 1));
-        let law = Dahl { limit_p, limit_n, sigma: log(SIGMA, 2), exponent: Dual::lit(1.0), viscous: Dual::lit(0.0) };
+        let law = Dahl {
+            limit_p,
+            limit_n,
+            sigma: log(SIGMA, 2),
+            exponent: Dual::lit(1.0),
+            viscous: Dual::lit(0.0),
+        };
         let zero = Dual::lit(0.0);
         // A recording that begins in motion begins with the bristle bent.
         let z = match self.velocity.first() {
@@ -91,8 +97,9 @@ impl Trace<'_> {
         let friction = (self.rows)(&value);
         let residual = DVector::from_iterator(
             self.force.len(),
-            (0..self.force.len())
-                .map(|i| p[MASS] * self.linear[0][i] + p[VISCOUS] * self.linear[1][i] + friction[i] - self.force[i]),
+            (0..self.force.len()).map(|i| {
+                p[MASS] * self.linear[0][i] + p[VISCOUS] * self.linear[1][i] + friction[i] - self.force[i]
+            }),
         );
         let mut jacobian = DMatrix::zeros(self.force.len(), free.len());
         for (j, k) in free.iter().enumerate() {
@@ -111,7 +118,8 @@ impl Trace<'_> {
     /// Σe² corrected for the errors in the mass and viscous columns: unbiased, as eq. 3.9 is.
     pub fn cost(&self, p: &Point, residual: &DVector<f64>) -> f64 {
         let n = residual.len() as f64;
-        residual.norm_squared() - n * (self.errors[0] * p[MASS] * p[MASS] + self.errors[1] * p[VISCOUS] * p[VISCOUS])
+        residual.norm_squared()
+            - n * (self.errors[0] * p[MASS] * p[MASS] + self.errors[1] * p[VISCOUS] * p[VISCOUS])
     }
 
     /// Levenberg-Marquardt from `start` over the parameters `free`.
@@ -128,7 +136,12 @@ impl Trace<'_> {
         let converged = report.termination.was_successful()
             || matches!(report.termination, TerminationReason::NoImprovementPossible(_));
         let cost = self.cost(&point, &residual);
-        Fitted { point, cost: if cost.is_finite() { cost } else { f64::INFINITY }, converged, evaluations: report.number_of_evaluations }
+        Fitted {
+            point,
+            cost: if cost.is_finite() { cost } else { f64::INFINITY },
+            converged,
+            evaluations: report.number_of_evaluations,
+        }
     }
 
     /// A few Gauss-Newton steps of Fuller's equations: least squares alone shrinks a mass whose column has errors.

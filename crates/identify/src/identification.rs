@@ -29,7 +29,13 @@ impl Estimate {
     /// A parameter whose error is Gaussian.
     #[must_use]
     pub fn gaussian(value: f64, std: f64, unit: impl Into<String>) -> Self {
-        Self { value, std, unit: unit.into(), ci95: [value - 1.96 * std, value + 1.96 * std], std_white: None }
+        Self {
+            value,
+            std,
+            unit: unit.into(),
+            ci95: [value - 1.96 * std, value + 1.96 * std],
+            std_white: None,
+        }
     }
 }
 

@@ -113,7 +113,8 @@ impl Rows {
     fn new(ready: &Ready<'_>, band: f64, symmetric: bool) -> Self {
         let v = &ready.velocity;
         let where_ = |test: &dyn Fn(f64) -> bool, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            let column: Vec<f64> = v.iter().enumerate().map(|(i, v)| if test(*v) { value(i) } else { 0.0 }).collect();
+            let column: Vec<f64> =
+                v.iter().enumerate().map(|(i, v)| if test(*v) { value(i) } else { 0.0 }).collect();
             ready.rows(&column)
         };
         let (up, down) = (|v: f64| v > band, |v: f64| v < -band);
@@ -132,9 +133,13 @@ impl Rows {
             let sum = |pair: &[Vec<f64>; 2]| -> Vec<f64> {
                 kept.iter().map(|i| pair[0][*i] + pair[1][*i]).collect()
             };
-            (vec![acceleration, sum(&ways), sum(&viscous), vec![1.0; kept.len()]], vec![var_a, 0.0, var_v, 0.0])
+            (
+                vec![acceleration, sum(&ways), sum(&viscous), vec![1.0; kept.len()]],
+                vec![var_a, 0.0, var_v, 0.0],
+            )
         } else {
-            let columns = vec![acceleration, pick(&ways[0]), pick(&viscous[0]), pick(&ways[1]), pick(&viscous[1])];
+            let columns =
+                vec![acceleration, pick(&ways[0]), pick(&viscous[0]), pick(&ways[1]), pick(&viscous[1])];
             (columns, vec![var_a, 0.0, var_v * share(&ways[0]), 0.0, var_v * share(&ways[1])])
         };
         let (mut columns, mut errors) = (columns, errors);
@@ -145,7 +150,13 @@ impl Rows {
             columns.push(pick(&where_(&|v| v.abs() <= band, &sign)));
             errors.push(0.0);
         }
-        Self { columns, target: pick(&ready.force_rows), at: pick_numbers(&ready.at, &kept), errors, symmetric }
+        Self {
+            columns,
+            target: pick(&ready.force_rows),
+            at: pick_numbers(&ready.at, &kept),
+            errors,
+            symmetric,
+        }
     }
 
     fn solve(&self) -> Option<Solution> {
@@ -163,8 +174,12 @@ impl Rows {
             ([c[1], c[3]], [c[2], c[4]], 0.0)
         };
         let signals = ready.signals;
-        let friction: Vec<f64> =
-            signals.force_full().iter().zip(&signals.acceleration).map(|(f, a)| f - mass * a - offset).collect();
+        let friction: Vec<f64> = signals
+            .force_full()
+            .iter()
+            .zip(&signals.acceleration)
+            .map(|(f, a)| f - mass * a - offset)
+            .collect();
         let n = solution.residual.len().max(1) as f64;
         let noise = (solution.residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
         LowSpeed {
@@ -222,11 +237,16 @@ impl Report<'_> {
         for (k, name) in names.iter().enumerate() {
             let why = match &solution {
                 None => Some(self.nothing()),
-                Some(s) => s.dropped.iter().find(|(d, _)| *d == k).map(|(_, why)| self.because(name, why)).or_else(|| {
-                    let variance = s.covariance[(k, k)];
-                    (!(variance.is_finite() && variance >= 0.0 && s.coefficients[k].is_finite()))
-                        .then(|| "the errors of the regressors are larger than the motion".to_string())
-                }),
+                Some(s) => s
+                    .dropped
+                    .iter()
+                    .find(|(d, _)| *d == k)
+                    .map(|(_, why)| self.because(name, why))
+                    .or_else(|| {
+                        let variance = s.covariance[(k, k)];
+                        (!(variance.is_finite() && variance >= 0.0 && s.coefficients[k].is_finite()))
+                            .then(|| "the errors of the regressors are larger than the motion".to_string())
+                    }),
             };
             for reported in Self::reported(name) {
                 match (&why, &solution) {
@@ -250,11 +270,18 @@ impl Report<'_> {
         self.low_speed(&mut parameters, &mut not_identifiable, &moves);
         let empty = Vec::new();
         let residual = solution.as_ref().map_or(&empty, |s| &s.residual);
-        let fit = Ready::goodness(&self.rows.target, if solution.is_some() { residual } else { &self.rows.target });
+        let fit =
+            Ready::goodness(&self.rows.target, if solution.is_some() { residual } else { &self.rows.target });
         let entry = |i: usize, j: usize| {
             let Some(s) = &solution else { return 0.0 };
             let size = (s.covariance[(i, i)] * s.covariance[(j, j)]).sqrt();
-            if i == j { 1.0 } else if size > 0.0 { (s.covariance[(i, j)] / size).clamp(-1.0, 1.0) } else { 0.0 }
+            if i == j {
+                1.0
+            } else if size > 0.0 {
+                (s.covariance[(i, j)] / size).clamp(-1.0, 1.0)
+            } else {
+                0.0
+            }
         };
         Identification {
             schema: SCHEMA.into(),
@@ -324,10 +351,17 @@ impl Report<'_> {
     }
 
     /// D_p, D_n and Δv.
-    fn low_speed(&self, parameters: &mut BTreeMap<String, Estimate>, lost: &mut Vec<NotIdentifiable>, moves: &Moves) {
+    fn low_speed(
+        &self,
+        parameters: &mut BTreeMap<String, Estimate>,
+        lost: &mut Vec<NotIdentifiable>,
+        moves: &Moves,
+    ) {
         let units = self.ready.units;
         let experiment = || moves.break_away();
-        for (way, (name, direction)) in [("static_p", "positive"), ("static_n", "negative")].into_iter().enumerate() {
+        for (way, (name, direction)) in
+            [("static_p", "positive"), ("static_n", "negative")].into_iter().enumerate()
+        {
             match self.levels.levels[way] {
                 Some((value, std)) => {
                     parameters.insert(name.into(), Estimate::gaussian(value, std, units.force()));

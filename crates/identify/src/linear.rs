@@ -60,13 +60,20 @@ fn collinear(columns: &[Vec<f64>], kept: &[usize]) -> Option<Vec<usize>> {
     }
     let scaled = scaled(columns, kept);
     let svd = scaled.qr().r().svd(false, true);
-    let (weakest, value) = svd.singular_values.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (weakest, value) =
+        svd.singular_values.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
     if value > COLLINEAR {
         return None;
     }
     let direction = svd.v_t?.row(weakest).transpose();
     let largest = direction.amax();
-    Some(kept.iter().zip(direction.iter()).filter(|(_, d)| d.abs() > 1e-3 * largest).map(|(k, _)| *k).collect())
+    Some(
+        kept.iter()
+            .zip(direction.iter())
+            .filter(|(_, d)| d.abs() > 1e-3 * largest)
+            .map(|(k, _)| *k)
+            .collect(),
+    )
 }
 
 fn scaled(columns: &[Vec<f64>], kept: &[usize]) -> DMatrix<f64> {
@@ -100,7 +107,10 @@ impl Problem<'_> {
             // The combination still has to be fitted, or it would be blamed on the columns that are left: keep
             // the largest part of it, unreported.
             let carrier = group.iter().copied().max_by(|a, b| {
-                let size = |k: &usize| dot(&self.columns[*k], self.target).abs() / dot(&self.columns[*k], &self.columns[*k]).sqrt();
+                let size = |k: &usize| {
+                    dot(&self.columns[*k], self.target).abs()
+                        / dot(&self.columns[*k], &self.columns[*k]).sqrt()
+                };
                 size(a).total_cmp(&size(b))
             });
             kept.retain(|k| !group.contains(k) || Some(*k) == carrier);
@@ -149,17 +159,25 @@ impl Problem<'_> {
         if (&x * &loads).norm_squared() < 0.5 * size {
             return Vec::new();
         }
-        kept.iter().zip(loads.iter()).filter(|(_, load)| *load * *load > 0.05 * size).map(|(k, _)| *k).collect()
+        kept.iter()
+            .zip(loads.iter())
+            .filter(|(_, load)| *load * *load > 0.05 * size)
+            .map(|(k, _)| *k)
+            .collect()
     }
 
     fn estimate(&self, kept: &[usize], mut dropped: Vec<(usize, Dropped)>) -> Option<Solution> {
         let (rows, count) = (self.target.len(), self.columns.len());
         let n = rows as f64;
-        let norms: Vec<f64> = kept.iter().map(|k| (dot(&self.columns[*k], &self.columns[*k]) / n).sqrt()).collect();
+        let norms: Vec<f64> =
+            kept.iter().map(|k| (dot(&self.columns[*k], &self.columns[*k]) / n).sqrt()).collect();
         let x = scaled(self.columns, kept) * n.sqrt();
         let y = DVector::from_column_slice(self.target);
         // Everything below in columns of unit mean square.
-        let error = DVector::from_iterator(kept.len(), kept.iter().zip(&norms).map(|(k, s)| self.errors[*k] / (s * s)));
+        let error = DVector::from_iterator(
+            kept.len(),
+            kept.iter().zip(&norms).map(|(k, s)| self.errors[*k] / (s * s)),
+        );
         let qr = x.clone().qr();
         let moment = x.tr_mul(&x) / n - DMatrix::from_diagonal(&error);
         let exact = error.iter().all(|e| *e == 0.0);
@@ -302,10 +320,14 @@ mod tests {
         let (mut found, mut told, mut textbook) = (Vec::new(), 0.0, 0.0);
         for seed in 0..200 {
             let mut e = 0.0;
-            let target: Vec<f64> = normal(seed, n).iter().zip(&x).map(|(w, x)| {
-                e = 0.9 * e + w;
-                2.0 * x + e
-            }).collect();
+            let target: Vec<f64> = normal(seed, n)
+                .iter()
+                .zip(&x)
+                .map(|(w, x)| {
+                    e = 0.9 * e + w;
+                    2.0 * x + e
+                })
+                .collect();
             let s = Problem { columns: &columns, target: &target, at: &at, errors: &[0.0] }.solve().unwrap();
             found.push(s.coefficients[0]);
             told += s.covariance[(0, 0)].sqrt() / 200.0;
@@ -325,9 +347,11 @@ mod tests {
         let (mut plain, mut fuller) = (0.0, 0.0);
         for seed in 0..20 {
             let x: Vec<f64> = truth.iter().zip(normal(100 + seed, n)).map(|(t, u)| t + 0.5 * u).collect();
-            let y: Vec<f64> = truth.iter().zip(normal(200 + seed, n)).map(|(t, u)| 2.0 * t + 0.1 * u).collect();
+            let y: Vec<f64> =
+                truth.iter().zip(normal(200 + seed, n)).map(|(t, u)| 2.0 * t + 0.1 * u).collect();
             let columns = vec![x];
-            let solve = |s: f64| Problem { columns: &columns, target: &y, at: &at, errors: &[s] }.solve().unwrap();
+            let solve =
+                |s: f64| Problem { columns: &columns, target: &y, at: &at, errors: &[s] }.solve().unwrap();
             plain += solve(0.0).coefficients[0] / 20.0;
             fuller += solve(0.25).coefficients[0] / 20.0;
         }
@@ -340,7 +364,9 @@ mod tests {
         let n = 1000;
         let columns = vec![normal(1, n), vec![1.0; n]];
         let at: Vec<usize> = (0..n).collect();
-        let s = Problem { columns: &columns, target: &vec![2.0; n], at: &at, errors: &[0.95, 0.0] }.solve().unwrap();
+        let s = Problem { columns: &columns, target: &vec![2.0; n], at: &at, errors: &[0.95, 0.0] }
+            .solve()
+            .unwrap();
         assert!(matches!(s.dropped[..], [(0, Dropped::Noise(_))]));
         assert!((s.coefficients[1] - 2.0).abs() < 1e-12);
     }

@@ -3,7 +3,7 @@
 //! The same thing predicts a recording, is simulated, and is a preset of the device (`model.toml`, see
 //! [`Model::to_toml`]).
 
-use crate::{Geometry, Identification};
+use crate::{Geometry, Identification, SensorEffect};
 use friction::effects::{Effect, EffectKind};
 use friction::{Coulomb, Dahl, FrictionLaw, Invalid, Karnopp, Law, in_range};
 use std::collections::BTreeMap;
@@ -17,71 +17,6 @@ pub struct Nuisances {
     pub delay_s: f64,
     /// Further effects of sensors and drive.
     pub sensors: Vec<SensorEffect>,
-}
-
-/// An effect that sits in a sensor or the drive, by its id in the catalogue.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum SensorEffect {
-    /// F = F_m + share·(F_m − lagged F_m), lag in s.
-    ActuatorLag {
-        /// Share of the force that lags.
-        share: f64,
-        /// Time constant, s.
-        lag: f64,
-    },
-    /// F = F_m + force·(sgn v(t − lag) − sgn v(t)), N and s.
-    VelocityLag {
-        /// Coulomb level seen through the lag, N.
-        force: f64,
-        /// Lag, s.
-        lag: f64,
-    },
-    /// F = F_m + gain·max(F_m, 0).
-    ForceGainAsymmetry {
-        /// Extra gain for positive force.
-        gain: f64,
-    },
-    /// F = F_m + share·(|F_m| − limit)₊·sgn F_m, N.
-    Saturation {
-        /// Minus the share of the excess that is cut.
-        share: f64,
-        /// Where it begins, N.
-        limit: f64,
-    },
-}
-
-impl SensorEffect {
-    /// Every id that a model can carry, with the names of its parameters.
-    pub const ALL: &'static [(&'static str, &'static [&'static str])] = &[
-        ("actuator_lag", &["share", "lag"]),
-        ("velocity_lag", &["force", "lag"]),
-        ("force_gain_asymmetry", &["gain"]),
-        ("saturation", &["share", "limit"]),
-    ];
-
-    /// The effect with this id from its parameters by name; None for an id or a parameter it does not have, or one
-    /// that is missing. (`time_skew` and `offset` have places of their own in [`Nuisances`].)
-    #[must_use]
-    pub fn from_parts(id: &str, value: impl Fn(&str) -> Option<f64>) -> Option<Self> {
-        Some(match id {
-            "actuator_lag" => Self::ActuatorLag { share: value("share")?, lag: value("lag")? },
-            "velocity_lag" => Self::VelocityLag { force: value("force")?, lag: value("lag")? },
-            "force_gain_asymmetry" => Self::ForceGainAsymmetry { gain: value("gain")? },
-            "saturation" => Self::Saturation { share: value("share")?, limit: value("limit")? },
-            _ => return None,
-        })
-    }
-
-    /// Id and parameters, in the order of [`SensorEffect::ALL`].
-    #[must_use]
-    pub fn parts(&self) -> (&'static str, Vec<(&'static str, f64)>) {
-        match *self {
-            Self::ActuatorLag { share, lag } => ("actuator_lag", vec![("share", share), ("lag", lag)]),
-            Self::VelocityLag { force, lag } => ("velocity_lag", vec![("force", force), ("lag", lag)]),
-            Self::ForceGainAsymmetry { gain } => ("force_gain_asymmetry", vec![("gain", gain)]),
-            Self::Saturation { share, limit } => ("saturation", vec![("share", share), ("limit", limit)]),
-        }
-    }
 }
 
 /// What a device needs beside the friction to render it; the virtual coupling of eq. 4.22.
@@ -155,25 +90,7 @@ impl Model {
         self.effects.iter().try_for_each(Effect::validate)?;
         in_range("offset", self.nuisances.offset, -1e6, 1e6)?;
         in_range("delay_s", self.nuisances.delay_s, -1.0, 1.0)?;
-        for sensor in &self.nuisances.sensors {
-            match *sensor {
-                SensorEffect::ActuatorLag { share, lag } => {
-                    in_range("actuator_lag.share", share, -2.0, 2.0)?;
-                    in_range("actuator_lag.lag", lag, 1e-5, 0.5)?;
-                }
-                SensorEffect::VelocityLag { force, lag } => {
-                    in_range("velocity_lag.force", force, -1e6, 1e6)?;
-                    in_range("velocity_lag.lag", lag, 0.0, 0.2)?;
-                }
-                SensorEffect::ForceGainAsymmetry { gain } => {
-                    in_range("force_gain_asymmetry.gain", gain, -1.0, 1.0)?;
-                }
-                SensorEffect::Saturation { share, limit } => {
-                    in_range("saturation.share", share, -2.0, 2.0)?;
-                    in_range("saturation.limit", limit, 1e-9, 1e9)?;
-                }
-            }
-        }
+        self.nuisances.sensors.iter().try_for_each(SensorEffect::validate)?;
         if let Some(cutoff) = self.cutoff_hz {
             in_range("cutoff_hz", cutoff, 1e-3, 1e6)?;
         }

@@ -1,8 +1,8 @@
 //! `model.toml` in: every complaint points at a line and a column.
 
-use crate::model::{Model, SensorEffect};
-use crate::model_toml::{MODEL_SCHEMA, Complaint, name_in_file, sensor_words, silent};
-use crate::Geometry;
+use crate::model::Model;
+use crate::model_toml::{Complaint, MODEL_SCHEMA, name_in_file, sensor_words, silent};
+use crate::{Geometry, SensorEffect};
 use friction::effects::EffectKind;
 use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
 use std::collections::BTreeMap;
@@ -10,8 +10,19 @@ use toml::de::{DeTable, DeValue};
 
 /// Numbers of `[preset]` that are not an effect's.
 const NUMBERS: &[&str] = &[
-    "mass", "f_static_p", "f_static_n", "f_dynamic_p", "f_dynamic_n", "damping_p", "damping_n", "dv", "k_vc", "b_vc",
-    "sigma", "sigma_1", "stribeck_velocity",
+    "mass",
+    "f_static_p",
+    "f_static_n",
+    "f_dynamic_p",
+    "f_dynamic_n",
+    "damping_p",
+    "damping_n",
+    "dv",
+    "k_vc",
+    "b_vc",
+    "sigma",
+    "sigma_1",
+    "stribeck_velocity",
 ];
 
 /// A key with its value and where it stands.
@@ -56,9 +67,12 @@ pub(crate) fn read(text: &str) -> Result<Model, Complaint> {
     let sectioned = ["preset", "model", "std"].iter().any(|s| table.contains_key(*s));
     for (key, value) in &table {
         let at = key.span().start;
-        let (section, name) = if sectioned { (key.get_ref().as_ref(), "") } else { ("preset", key.get_ref().as_ref()) };
+        let (section, name) =
+            if sectioned { (key.get_ref().as_ref(), "") } else { ("preset", key.get_ref().as_ref()) };
         if !matches!(section, "preset" | "model" | "std") {
-            return Err(reader.error(at, format!("section `{section}`: accepted are [preset], [model], [std]")));
+            return Err(
+                reader.error(at, format!("section `{section}`: accepted are [preset], [model], [std]"))
+            );
         }
         reader.flatten(section, name, at, value.get_ref(), &mut flat)?;
     }
@@ -129,7 +143,9 @@ impl Reader<'_> {
     fn number(&self, entry: &Entry) -> Result<f64, Complaint> {
         match &entry.value {
             Value::Number(x) if x.is_finite() => Ok(*x),
-            Value::Number(x) => Err(self.error(entry.at, format!("{} = {x}: accepted is a finite number", entry.key))),
+            Value::Number(x) => {
+                Err(self.error(entry.at, format!("{} = {x}: accepted is a finite number", entry.key)))
+            }
             Value::Word(word) => {
                 Err(self.error(entry.at, format!("{} = \"{word}\": accepted is a finite number", entry.key)))
             }
@@ -138,7 +154,9 @@ impl Reader<'_> {
 
     fn word(&self, entry: &Entry, accepted: &[&str]) -> Result<String, Complaint> {
         let shown = match &entry.value {
-            Value::Word(word) if accepted.is_empty() || accepted.contains(&word.as_str()) => return Ok(word.clone()),
+            Value::Word(word) if accepted.is_empty() || accepted.contains(&word.as_str()) => {
+                return Ok(word.clone());
+            }
             Value::Word(word) => format!("\"{word}\""),
             Value::Number(x) => x.to_string(),
         };
@@ -188,7 +206,9 @@ impl Reader<'_> {
         let mut effect = self.model.effect(kind).copied().unwrap_or_else(|| silent(kind));
         let Some(place) = effect.get_mut(parameter) else {
             let names: Vec<&str> = kind.gains().iter().chain(kind.shape()).map(|p| p.name).collect();
-            return Err(self.error(entry.at, format!("{id} has no `{parameter}`: accepted are {}", names.join(", "))));
+            return Err(
+                self.error(entry.at, format!("{id} has no `{parameter}`: accepted are {}", names.join(", ")))
+            );
         };
         *place = value;
         self.model.set_effect(effect);
@@ -262,9 +282,7 @@ impl Reader<'_> {
                 exponent: self.exponent,
                 viscous: viscous_p,
             }),
-            "coulomb" => {
-                Law::Coulomb(Coulomb { level_p, level_n, static_p, static_n, viscous_p, viscous_n })
-            }
+            "coulomb" => Law::Coulomb(Coulomb { level_p, level_n, static_p, static_n, viscous_p, viscous_n }),
             _ => Law::LuGre(LuGre {
                 sigma_0: self.required("sigma")?,
                 sigma_1: or("sigma_1", 0.0),

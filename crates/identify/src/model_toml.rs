@@ -23,9 +23,9 @@
 //!
 //! A file without sections is read as `[preset]`. `f_static`, `f_dynamic` and `damping` stand for both directions.
 
-use crate::model::{Coupling, Model, SensorEffect};
 use crate::error::Place;
-use crate::{Error, Geometry, model_read};
+use crate::model::{Coupling, Model};
+use crate::{Error, Geometry, SensorEffect, model_read};
 use friction::effects::Effect;
 use friction::{Invalid, Law};
 use std::fmt::Write;
@@ -47,7 +47,12 @@ impl Complaint {
             line: Some(line as u64),
             column: Some((column, String::new())),
         });
-        Error::Input { file: file.to_string(), place, value: String::new(), accepted: format!(": {}", self.why) }
+        Error::Input {
+            file: file.to_string(),
+            place,
+            value: String::new(),
+            accepted: format!(": {}", self.why),
+        }
     }
 }
 
@@ -135,7 +140,8 @@ impl Model {
             if axis { "rotary" } else { "linear" }
         );
         if let Law::Dahl(law) = &self.law {
-            let _ = writeln!(text, "exponent = {} # shape of Dahl's law; devices use 1", decimal(law.exponent));
+            let _ =
+                writeln!(text, "exponent = {} # shape of Dahl's law; devices use 1", decimal(law.exponent));
         }
         let force = if axis { "N·m" } else { "N" };
         let n = &self.nuisances;
@@ -231,7 +237,9 @@ fn unit_of(name: &str, geometry: Geometry) -> &'static str {
     let units = crate::identification::Units::of(geometry);
     match name {
         "mass" => units.parameter("mass"),
-        "f_static" | "f_static_p" | "f_static_n" | "f_dynamic" | "f_dynamic_p" | "f_dynamic_n" => units.force(),
+        "f_static" | "f_static_p" | "f_static_n" | "f_dynamic" | "f_dynamic_p" | "f_dynamic_n" => {
+            units.force()
+        }
         "damping" | "damping_p" | "damping_n" | "sigma_1" | "b_vc" => units.parameter("viscous"),
         "dv" | "stribeck_velocity" => units.velocity(),
         "sigma" | "k_vc" => units.parameter("sigma"),

@@ -34,7 +34,10 @@ impl Moves {
         }
         let seconds = velocity.len() as f64 * dt;
         let frequency = if turns > 0 && seconds > 0.0 { 0.5 * turns as f64 / seconds } else { 1.0 };
-        Self { amplitude: if high > low { 0.5 * (high - low) } else { 0.01 }, frequency: frequency.clamp(0.05, 20.0) }
+        Self {
+            amplitude: if high > low { 0.5 * (high - low) } else { 0.01 },
+            frequency: frequency.clamp(0.05, 20.0),
+        }
     }
 
     fn line(wave: &str, amplitude: f64, frequency: f64, seconds: u32) -> String {

@@ -1,7 +1,8 @@
 //! The force a model predicts from a motion alone: the measured force is not looked at, so a prediction of a recording
 //! the model has not seen is a fair judge of it.
 
-use crate::model::{Model, SensorEffect};
+use crate::model::Model;
+use crate::sensor_effect::delayed;
 use crate::{Error, Preprocess, Recording, Signals, prepare};
 use friction::effects::EffectState;
 use friction::{DahlState, FrictionLaw, Law, LawState, Motion};
@@ -36,7 +37,8 @@ impl Model {
         if self.geometry != recording.geometry {
             return Err(Error::Recording {
                 recording: recording.name.clone(),
-                why: format!("a {:?} recording, and the model is {:?}", recording.geometry, self.geometry).to_lowercase(),
+                why: format!("a {:?} recording, and the model is {:?}", recording.geometry, self.geometry)
+                    .to_lowercase(),
             });
         }
         let signals = prepare(recording, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
@@ -79,7 +81,8 @@ impl Model {
             before = position;
             let carried = self.mass * motion.acceleration[i] + self.friction(&mut law, &step);
             step.applied = carried;
-            let added: f64 = self.effects.iter().zip(&mut effects).map(|(e, state)| e.step(state, &step)).sum();
+            let added: f64 =
+                self.effects.iter().zip(&mut effects).map(|(e, state)| e.step(state, &step)).sum();
             out.push(carried + added);
         }
         self.sensed(out, motion)
@@ -115,56 +118,16 @@ impl Model {
 
     /// What the sensors make of the force.
     fn sensed(&self, mut force: Vec<f64>, motion: &Kinematics<'_>) -> Vec<f64> {
-        let dt = motion.dt;
         let model = force.clone();
         for sensor in &self.nuisances.sensors {
-            let added: Vec<f64> = match *sensor {
-                SensorEffect::ActuatorLag { share, lag } => {
-                    lagged(&model, lag, dt).iter().zip(&model).map(|(slow, f)| share * (f - slow)).collect()
-                }
-                SensorEffect::VelocityLag { force, lag } => {
-                    let sign: Vec<f64> = motion.velocity.iter().map(|v| if *v == 0.0 { 0.0 } else { v.signum() }).collect();
-                    delayed(&sign, lag, dt).iter().zip(&sign).map(|(late, s)| force * (late - s)).collect()
-                }
-                SensorEffect::ForceGainAsymmetry { gain } => model.iter().map(|f| gain * f.max(0.0)).collect(),
-                SensorEffect::Saturation { share, limit } => {
-                    model.iter().map(|f| share * (f.abs() - limit).max(0.0) * f.signum()).collect()
-                }
-            };
-            for (f, x) in force.iter_mut().zip(added) {
+            for (f, x) in force.iter_mut().zip(sensor.added(&model, motion)) {
                 *f += x;
             }
         }
-        let mut force = delayed(&force, self.nuisances.delay_s, dt);
+        let mut force = delayed(&force, self.nuisances.delay_s, motion.dt);
         for f in &mut force {
             *f += self.nuisances.offset;
         }
         force
     }
-}
-
-/// A first-order lag with time constant `lag`, started in its steady state.
-fn lagged(series: &[f64], lag: f64, dt: f64) -> Vec<f64> {
-    let keep = (-dt / lag.max(1e-300)).exp();
-    let mut state = series.first().copied().unwrap_or(0.0);
-    series
-        .iter()
-        .map(|x| {
-            state = x + (state - x) * keep;
-            state
-        })
-        .collect()
-}
-
-/// `series` later by `delay` s, interpolated; its ends are held.
-fn delayed(series: &[f64], delay: f64, dt: f64) -> Vec<f64> {
-    let Some(last) = series.len().checked_sub(1).filter(|_| delay != 0.0) else { return series.to_vec() };
-    (0..=last)
-        .map(|i| {
-            let at = (i as f64 - delay / dt).clamp(0.0, last as f64);
-            let low = at.floor() as usize;
-            let share = at - low as f64;
-            series[low] * (1.0 - share) + series[(low + 1).min(last)] * share
-        })
-        .collect()
 }

@@ -90,8 +90,10 @@ impl<'a> Ready<'a> {
         }
         let mut displacement: Vec<f64> = vec![0.0];
         displacement.extend(smoothed.position.windows(2).map(|w| w[1] - w[0]));
-        let (low, high) =
-            signals.position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let (low, high) = signals
+            .position
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let step_rms = (displacement.iter().map(|d| d * d).sum::<f64>() / displacement.len() as f64).sqrt();
         Ok(Self {
             signals,

@@ -104,15 +104,19 @@ mod tests {
             truth.push(truth[k - 1] + 0.5 * (a[k] + a[k - 1]) * dt);
             x.push(x[k - 1] + 0.5 * (truth[k] + truth[k - 1]) * dt);
         }
-        let mut noisy = |series: &[f64], std: f64| -> Vec<f64> { series.iter().map(|y| y + draw(std)).collect() };
-        let (position, velocity, acceleration) = (noisy(&x, 5.76e-5), noisy(&truth, 3.18e-3), noisy(&a, 0.2379));
+        let mut noisy =
+            |series: &[f64], std: f64| -> Vec<f64> { series.iter().map(|y| y + draw(std)).collect() };
+        let (position, velocity, acceleration) =
+            (noisy(&x, 5.76e-5), noisy(&truth, 3.18e-3), noisy(&a, 0.2379));
         let s = smooth(&Measured {
             position: (&position, 5.76e-5f64.powi(2)),
             velocity: (&velocity, 3.18e-3f64.powi(2)),
             acceleration: (&acceleration, 0.2379f64.powi(2)),
             dt,
         });
-        let rms = |a: &[f64], b: &[f64]| (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 2000.0).sqrt();
+        let rms = |a: &[f64], b: &[f64]| {
+            (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 2000.0).sqrt()
+        };
         let (ev, ex) = (rms(&s.velocity, &truth), rms(&s.position, &x));
         println!("error {ev:.2e} m/s, told {:.2e}; {ex:.2e} m, told {:.2e}", s.velocity_std, s.position_std);
         assert!(ev < 3.18e-3 / 4.0 && (s.velocity_std / ev - 1.0).abs() < 0.5);
@@ -122,7 +126,8 @@ mod tests {
     #[test]
     fn without_noise_nothing_changes() {
         let (v, none) = ([0.0, 1.0, -2.0], [9.0; 3]);
-        let m = |v| Measured { position: (&none, 0.0), velocity: (v, 0.0), acceleration: (&none, 1.0), dt: 1e-3 };
+        let m =
+            |v| Measured { position: (&none, 0.0), velocity: (v, 0.0), acceleration: (&none, 1.0), dt: 1e-3 };
         assert_eq!(smooth(&m(&v)).velocity, v);
         assert!(smooth(&m(&[])).velocity.is_empty());
     }

@@ -45,7 +45,8 @@ const TOP: f64 = 0.3;
 impl LowSpeed<'_> {
     /// Finds the levels.
     pub fn find(&self) -> StaticLevels {
-        let fastest = self.velocity.iter().fold(0.0f64, |m, v| if v.is_finite() { m.max(v.abs()) } else { m });
+        let fastest =
+            self.velocity.iter().fold(0.0f64, |m, v| if v.is_finite() { m.max(v.abs()) } else { m });
         // Below this a body may be at rest: three deviations of its velocity, or its resolution. The errors of a
         // smoothed velocity last longer than a break-away, so samples beyond are beyond together.
         let rest = (3.0 * self.velocity_std).max(2e-3 * fastest);
@@ -78,7 +79,8 @@ impl LowSpeed<'_> {
             let Some(start) = (k..v.len()).find(|i| v[*i].abs() > rest) else { break };
             let way = usize::from(v[start] < 0.0);
             let sign = if way == 0 { 1.0 } else { -1.0 };
-            let end = (start..v.len()).find(|i| !(sign * v[*i] > rest && sign * v[*i] <= top)).unwrap_or(v.len());
+            let end =
+                (start..v.len()).find(|i| !(sign * v[*i] > rest && sign * v[*i] <= top)).unwrap_or(v.len());
             // An excursion that falls back to rest is noise, or creep that says nothing about a step.
             if v.get(end).is_some_and(|v| sign * v > top) {
                 out.push(Event { way, samples: (start..end).collect() });
@@ -121,7 +123,10 @@ impl LowSpeed<'_> {
                 .sum()
         };
         let best = |ways: &[Vec<(f64, f64)>; 2]| -> Option<(f64, f64)> {
-            speeds.windows(2).map(|w| (0.5 * (w[0] + w[1]), explained(ways, w[0]))).max_by(|a, b| a.1.total_cmp(&b.1))
+            speeds
+                .windows(2)
+                .map(|w| (0.5 * (w[0] + w[1]), explained(ways, w[0])))
+                .max_by(|a, b| a.1.total_cmp(&b.1))
         };
         let (dv, gain) = best(&ways)?;
         // Twice the log of the number of places looked at is what noise alone would explain; 12 more is 3.5 deviations.

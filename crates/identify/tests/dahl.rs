@@ -57,7 +57,8 @@ fn fifty_random_starts_on_rubber_end_in_one_place() {
             sigma: within(1e2, 1e8),
         };
         let clock = std::time::Instant::now();
-        let found = identify_dahl(&signals, &DahlOptions { start: Some(start), ..DahlOptions::default() }).unwrap();
+        let found =
+            identify_dahl(&signals, &DahlOptions { start: Some(start), ..DahlOptions::default() }).unwrap();
         slowest = slowest.max(clock.elapsed().as_secs_f64());
         let same = |found: &Identification| {
             NAMES.iter().all(|n| {
@@ -69,7 +70,9 @@ fn fifty_random_starts_on_rubber_end_in_one_place() {
         let alone = DahlOptions { start: Some(start), scan: false, ..DahlOptions::default() };
         plain += usize::from(same(&identify_dahl(&signals, &alone).unwrap()));
     }
-    println!("50 of 50 random starts end in the same place, {slowest:.2} s at most; without the scan of σ, {plain} do");
+    println!(
+        "50 of 50 random starts end in the same place, {slowest:.2} s at most; without the scan of σ, {plain} do"
+    );
 }
 
 #[test]
@@ -149,9 +152,13 @@ fn deviations_tell_the_spread() {
     for (name, truth) in NAMES.iter().zip(RUBBER) {
         let n = runs.len() as f64;
         let mean = runs.iter().map(|r| r.value(name).unwrap()).sum::<f64>() / n;
-        let spread = (runs.iter().map(|r| (r.value(name).unwrap() - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+        let spread =
+            (runs.iter().map(|r| (r.value(name).unwrap() - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
         let told = runs.iter().map(|r| r.parameters[*name].std).sum::<f64>() / n;
-        println!("{name:8} truth {truth:.4}, mean {mean:.4} ({:+.2} %), spread {spread:.4}, told {told:.4}", 100.0 * (mean / truth - 1.0));
+        println!(
+            "{name:8} truth {truth:.4}, mean {mean:.4} ({:+.2} %), spread {spread:.4}, told {told:.4}",
+            100.0 * (mean / truth - 1.0)
+        );
         assert!((mean - truth).abs() < 0.015 * truth.abs() || (mean - truth).abs() < 0.5 * spread, "{name}");
         assert!(told > 0.6 * spread && told < 2.5 * spread, "{name}");
     }

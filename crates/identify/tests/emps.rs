@@ -1,8 +1,8 @@
 //! The EMPS benchmark, measured: published parameters with the published preprocessing, and tribos's own beside it.
 
 use identify::{
-    DahlOptions, Identification, KarnoppOptions, Map, Model, Preprocess, ReadOptions, Recording, identify_dahl,
-    identify_karnopp, prepare,
+    DahlOptions, Identification, KarnoppOptions, Map, Model, Preprocess, ReadOptions, Recording,
+    identify_dahl, identify_karnopp, prepare,
 };
 use std::path::Path;
 
@@ -79,7 +79,8 @@ fn published_symmetric_model_comes_back() {
     let Some(recording) = emps() else { return };
     let options = KarnoppOptions { symmetric: true, ..KarnoppOptions::default() };
     let found = fitted(&recording, &Preprocess::Emps, &options);
-    for (name, value) in [("mass", 95.109), ("viscous_p", 203.50), ("coulomb_n", 20.394), ("offset", -3.165)] {
+    for (name, value) in [("mass", 95.109), ("viscous_p", 203.50), ("coulomb_n", 20.394), ("offset", -3.165)]
+    {
         let here = found.parameters[name].value;
         println!("{name:10} published {value:8.3}  here {here:8.3}  {:+.2} %", 100.0 * (here / value - 1.0));
         // The offset is printed with a deviation of 0.044 N.
@@ -101,7 +102,8 @@ fn dahl_does_not_invent_a_stiffness() {
         println!("{name:10} {:.4e} ({:.1e}) {} {:?}", p.value, p.std, p.unit, p.ci95);
     }
     println!("{:?}, relative error {:.3} %", found.not_identifiable, 100.0 * found.relative_error);
-    let said = found.not_identifiable.iter().any(|n| n.parameter == "sigma" && n.experiment.starts_with("move "));
+    let said =
+        found.not_identifiable.iter().any(|n| n.parameter == "sigma" && n.experiment.starts_with("move "));
     assert!(said != found.parameters.contains_key("sigma"));
     assert!((found.parameters["mass"].value / 95.1 - 1.0).abs() < 0.02);
 }

@@ -21,7 +21,13 @@ fn moved(seconds: f64, motion: impl Fn(f64) -> (f64, f64, f64)) -> Recording {
     for i in 0..(seconds * 1000.0) as i32 {
         let t = f64::from(i) * 1e-3;
         let (x, v, a) = motion(t);
-        let friction = if v > 0.0 { 1.5 + 2.0 * v } else if v < 0.0 { -1.2 + 3.0 * v } else { 0.0 };
+        let friction = if v > 0.0 {
+            1.5 + 2.0 * v
+        } else if v < 0.0 {
+            -1.2 + 3.0 * v
+        } else {
+            0.0
+        };
         r.time.push(t);
         r.position.push(x);
         r.force.push(0.4 * a + friction + noise(0.02));
@@ -54,13 +60,17 @@ fn healthy(found: &Identification) {
         [p.value, p.std, p.ci95[0], p.ci95[1]].into_iter().for_each(finite);
         assert!(p.std >= 0.0 && p.ci95[0] <= p.value && p.value <= p.ci95[1]);
     }
-    [found.relative_error, found.residual_rms, found.r_squared, found.effective_samples].into_iter().for_each(finite);
+    [found.relative_error, found.residual_rms, found.r_squared, found.effective_samples]
+        .into_iter()
+        .for_each(finite);
     found.correlation.iter().flatten().copied().for_each(finite);
     for n in &found.not_identifiable {
         assert!(n.experiment.starts_with("move ") && !n.because.is_empty(), "{n:?}");
         assert!(!found.parameters.contains_key(&n.parameter));
     }
-    for name in ["mass", "coulomb_p", "coulomb_n", "viscous_p", "viscous_n", "static_p", "static_n", "delta_v"] {
+    for name in
+        ["mass", "coulomb_p", "coulomb_n", "viscous_p", "viscous_n", "static_p", "static_n", "delta_v"]
+    {
         let lost = found.not_identifiable.iter().any(|n| n.parameter == name);
         assert!(found.parameters.contains_key(name) != lost, "{name}: a number or a reason");
     }
@@ -71,7 +81,12 @@ fn healthy(found: &Identification) {
 #[test]
 fn sliding_friction_is_recovered_behind_every_preprocessing() {
     let r = moved(6.0, sine(0.01, 12.0));
-    for how in [Preprocess::default(), Preprocess::Emps, Preprocess::Thesis, Preprocess::Tribos { cutoff_hz: Some(60.0) }] {
+    for how in [
+        Preprocess::default(),
+        Preprocess::Emps,
+        Preprocess::Thesis,
+        Preprocess::Tribos { cutoff_hz: Some(60.0) },
+    ] {
         let found = fit(&r, &how);
         println!("{how:?}: {} samples, relative error {:.3} %", found.samples, 100.0 * found.relative_error);
         for (name, truth) in
@@ -99,7 +114,9 @@ fn default_preprocessing_recovers_the_thesis_materials() {
         };
         let found = fit(&r, &Preprocess::default());
         print!("{:9} {} rows", material.name, found.samples);
-        for (name, truth) in [("mass", material.mass), ("coulomb_p", material.law.c_p), ("coulomb_n", material.law.c_n)] {
+        for (name, truth) in
+            [("mass", material.mass), ("coulomb_p", material.law.c_p), ("coulomb_n", material.law.c_n)]
+        {
             let p = &found.parameters[name];
             print!("  {name} {:.4} ± {:.4} ({:+.1} %)", p.value, p.std, 100.0 * (p.value / truth - 1.0));
             assert!((p.value - truth).abs() < (0.05 * truth).max(3.0 * p.std), "{name}");
@@ -111,7 +128,12 @@ fn default_preprocessing_recovers_the_thesis_materials() {
 
 #[test]
 fn one_direction_says_nothing_of_the_other() {
-    let found = fit(&moved(3.0, |t| (0.05 * t + 0.002 * (20.0 * t).sin(), 0.05 + 0.04 * (20.0 * t).cos(), -0.8 * (20.0 * t).sin())), &Preprocess::Thesis);
+    let found = fit(
+        &moved(3.0, |t| {
+            (0.05 * t + 0.002 * (20.0 * t).sin(), 0.05 + 0.04 * (20.0 * t).cos(), -0.8 * (20.0 * t).sin())
+        }),
+        &Preprocess::Thesis,
+    );
     for name in ["coulomb_n", "viscous_n", "static_n"] {
         println!("{:?}", lost(&found, name));
     }
@@ -126,7 +148,9 @@ fn constant_speed_tells_neither_mass_nor_viscous_from_coulomb() {
     for n in &found.not_identifiable {
         println!("{}: {}; {}", n.parameter, n.because, n.experiment);
     }
-    for name in ["mass", "coulomb_p", "viscous_p", "coulomb_n", "viscous_n", "static_p", "static_n", "delta_v"] {
+    for name in
+        ["mass", "coulomb_p", "viscous_p", "coulomb_n", "viscous_n", "static_p", "static_n", "delta_v"]
+    {
         lost(&found, name);
     }
     healthy(&found);
@@ -152,7 +176,10 @@ fn options_are_checked() {
     for options in [
         KarnoppOptions { delta_v: Some(f64::NAN), ..Default::default() },
         KarnoppOptions { delta_v: Some(-1.0), ..Default::default() },
-        KarnoppOptions { errors: Errors::Declared { velocity: -1.0, acceleration: 0.0 }, ..Default::default() },
+        KarnoppOptions {
+            errors: Errors::Declared { velocity: -1.0, acceleration: 0.0 },
+            ..Default::default()
+        },
     ] {
         let refused = identify_karnopp(&signals, &options).unwrap_err().to_string();
         println!("{refused}");
@@ -178,9 +205,13 @@ fn declared_errors_are_used() {
     };
     let signals = prepare(&r, &Preprocess::Thesis).unwrap();
     let mass = |errors| {
-        identify_karnopp(&signals, &KarnoppOptions { errors, ..Default::default() }).unwrap().value("mass").unwrap()
+        identify_karnopp(&signals, &KarnoppOptions { errors, ..Default::default() })
+            .unwrap()
+            .value("mass")
+            .unwrap()
     };
-    let (none, declared) = (mass(Errors::LeastSquares), mass(Errors::Declared { velocity: 3.18e-3, acceleration: 0.2379 }));
+    let (none, declared) =
+        (mass(Errors::LeastSquares), mass(Errors::Declared { velocity: 3.18e-3, acceleration: 0.2379 }));
     println!("mass {:.4}: least squares {none:.4}, errors of table 3-2 declared {declared:.4}", RUBBER.mass);
     assert!((declared / RUBBER.mass - 1.0).abs() < 0.02 && none < 0.985 * RUBBER.mass);
 }

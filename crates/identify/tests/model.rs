@@ -4,8 +4,8 @@ use friction::effects::{Effect, EffectKind};
 use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
 use haptics::{Device, Settings};
 use identify::{
-    Coupling, Geometry, KarnoppOptions, Model, Nuisances, Preprocess, Recording, SensorEffect, identify_karnopp,
-    prepare,
+    Coupling, Geometry, KarnoppOptions, Model, Nuisances, Preprocess, Recording, SensorEffect,
+    identify_karnopp, prepare,
 };
 use plant::ThesisExperiment;
 use plant::materials::RUBBER;
@@ -32,8 +32,22 @@ fn a_file_gives_back_an_equal_model() {
     let laws = [
         Law::Karnopp(RUBBER.law),
         Law::Dahl(Dahl { limit_p: 3.3, limit_n: 2.4, sigma: 5e4, exponent: 1.5, viscous: -2.6 }),
-        Law::Coulomb(Coulomb { level_p: 1.0, level_n: 2.0, static_p: 1.5, static_n: 2.5, viscous_p: 3.0, viscous_n: 4.0 }),
-        Law::LuGre(LuGre { sigma_0: 1e4, sigma_1: 10.0, sigma_2: 1.0, coulomb: 1.0, stiction: 1.5, stribeck_velocity: 0.01 }),
+        Law::Coulomb(Coulomb {
+            level_p: 1.0,
+            level_n: 2.0,
+            static_p: 1.5,
+            static_n: 2.5,
+            viscous_p: 3.0,
+            viscous_n: 4.0,
+        }),
+        Law::LuGre(LuGre {
+            sigma_0: 1e4,
+            sigma_1: 10.0,
+            sigma_2: 1.0,
+            coulomb: 1.0,
+            stiction: 1.5,
+            stribeck_velocity: 0.01,
+        }),
     ];
     for law in laws {
         let mut model = Model {
@@ -49,7 +63,11 @@ fn a_file_gives_back_an_equal_model() {
                     SensorEffect::ForceGainAsymmetry { gain: -0.02 },
                 ],
             },
-            coupling: Coupling { renderer: Some("virtual_coupling".into()), k_vc: Some(8e3), b_vc: Some(15.0) },
+            coupling: Coupling {
+                renderer: Some("virtual_coupling".into()),
+                k_vc: Some(8e3),
+                b_vc: Some(15.0),
+            },
             cutoff_hz: Some(37.5),
             ..Model::default()
         };
@@ -80,7 +98,11 @@ fn a_model_is_a_preset_the_device_takes() {
         for p in Settings::PARAMETERS {
             let value = make().get(p.name).unwrap().to_string();
             let word = matches!(p.name, "law" | "renderer");
-            text += &if word { format!("{} = \"{value}\"\n", p.name) } else { format!("{} = {value:}\n", p.name) };
+            text += &if word {
+                format!("{} = \"{value}\"\n", p.name)
+            } else {
+                format!("{} = {value:}\n", p.name)
+            };
         }
         let model = Model::from_toml(name, &text).unwrap_or_else(|e| panic!("{e}\n{text}"));
         assert!((model.mass - f64::from(make().mass)).abs() < 1e-6);
@@ -98,21 +120,40 @@ fn complaints_point_at_line_and_column() {
         ("[preset]\nlaw = \"karnopp\"\nmass = nan\nf_dynamic = 1", ":3:1"),
         ("[preset]\nlaw = \"karnopp\"\nmass = 0.4\nf_dynamic = -1", ":4:1"),
         ("[preset]\nlaw = \"karnopp\"\nmass = 0.4\nf_dynamic = 1\nfrobnicate = 2", ":5:1"),
-        ("[preset]\nlaw = \"karnopp\"\nmass = 0.4\nf_dynamic = 1\nstribeck.farce = 2", "stribeck has no `farce`"),
-        ("[preset]\nlaw = \"karnopp\"\nmass = 0.4\nf_dynamic = 1\nstribek.force_p = 2", "no effect `stribek`"),
+        (
+            "[preset]\nlaw = \"karnopp\"\nmass = 0.4\nf_dynamic = 1\nstribeck.farce = 2",
+            "stribeck has no `farce`",
+        ),
+        (
+            "[preset]\nlaw = \"karnopp\"\nmass = 0.4\nf_dynamic = 1\nstribek.force_p = 2",
+            "no effect `stribek`",
+        ),
         ("[preset]\nlaw = \"dahl\"\nmass = 0.4\nf_dynamic = 1", "no sigma"),
         ("[preset]\nlaw = \"dahl\"\nmass = [1]\nf_dynamic = 1", ":3:1"),
         ("[preset]\nlaw = \"dahl\"\nmass = 1\nmass = 2", ":4:1"),
         ("[preset\nlaw = 1", ":1:8"),
         ("[preset]\nlaw = \"karnopp\"\nmass = 1\nf_dynamic = 1\n[model]\nspin = 1", ":6:1"),
-        ("[preset]\nlaw = \"karnopp\"\nmass = 1\nf_dynamic = 1\n[model]\nactuator_lag.share = 1", "needs all of"),
-        ("[preset]\nlaw = \"karnopp\"\nmass = 1\nf_dynamic = 1\n[model]\nschema = \"tribos.model/9\"", "tribos.model/1"),
+        (
+            "[preset]\nlaw = \"karnopp\"\nmass = 1\nf_dynamic = 1\n[model]\nactuator_lag.share = 1",
+            "needs all of",
+        ),
+        (
+            "[preset]\nlaw = \"karnopp\"\nmass = 1\nf_dynamic = 1\n[model]\nschema = \"tribos.model/9\"",
+            "tribos.model/1",
+        ),
         ("[preset]\nlaw = \"karnopp\"\nmass = 1\nf_dynamic = 1\n[extra]\na = 1", "section `extra`"),
+        (
+            "[preset]\nlaw = \"karnopp\"\nmass = 1\nf_dynamic = 1\n[model]\nactuator_lag.share = 1\nactuator_lag.lag = 9",
+            ":7:14: actuator_lag.lag = 9",
+        ),
         ("[preset]\nlaw = \"karnopp\"\nmass = 1e400\nf_dynamic = 1", ":3:1"),
     ] {
         let error = Model::from_toml("model.toml", text).expect_err(text).to_string();
         println!("{error}");
-        assert!(error.starts_with("model.toml") && error.contains(says) && !error.contains('\n'), "{text}\n{error}");
+        assert!(
+            error.starts_with("model.toml") && error.contains(says) && !error.contains('\n'),
+            "{text}\n{error}"
+        );
     }
     assert!(Model::from_toml("model.toml", &good).is_ok());
     let missing = Model::read("/nowhere/model.toml").unwrap_err().to_string();
@@ -171,7 +212,8 @@ fn an_effect_adds_its_force() {
     *effect.get_mut(spring.gains()[0].name).unwrap() = 40.0;
     with.set_effect(effect);
     let predicted = with.predict(&r).unwrap();
-    let worst = (100..1900).map(|i| (predicted[i] - plain[i] - 40.0 * r.position[i]).abs()).fold(0.0, f64::max);
+    let worst =
+        (100..1900).map(|i| (predicted[i] - plain[i] - 40.0 * r.position[i]).abs()).fold(0.0, f64::max);
     println!("spring within {worst:.1e} N");
     assert!(worst < 1e-3);
 }
@@ -204,6 +246,66 @@ fn what_is_identified_predicts_what_was_recorded() {
         .sqrt();
     println!("another recording, sliding, against the noise-free force: {rms:.4} N (sensor noise 0.062 N)");
     assert!(rms < 0.2);
+}
+
+/// Every effect of a sensor against its equation, on a motion whose derivatives are known.
+#[test]
+fn sensor_effects_are_their_equations() {
+    let r = moved(3000);
+    let plain = rubber().predict(&r).unwrap();
+    let with = |sensor| {
+        let nuisances = Nuisances { sensors: vec![sensor], ..Nuisances::default() };
+        Model { nuisances, ..rubber() }.predict(&r).unwrap()
+    };
+    let (t, x) = (&r.time, &r.position);
+    let a = r.acceleration.as_ref().unwrap();
+    let tau = std::f64::consts::TAU;
+    let lambda = 0.05;
+    // d²/dt² cos(2πx/λ) = −(2πv/λ)² cos − (2πa/λ) sin
+    let wave = |i: usize| {
+        let (v, k) = (0.12 * (12.0 * t[i]).cos(), tau / lambda);
+        -(k * v).powi(2) * (k * x[i]).cos() - k * a[i] * (k * x[i]).sin()
+    };
+    type Added<'a> = Box<dyn Fn(usize) -> f64 + 'a>;
+    let cases: Vec<(SensorEffect, Added<'_>)> = vec![
+        (SensorEffect::ForceGainAsymmetry { gain: 0.1 }, Box::new(|i| 0.1 * plain[i].max(0.0))),
+        (
+            SensorEffect::Saturation { share: -1.0, limit: 3.0 },
+            Box::new(|i| -(plain[i].abs() - 3.0).max(0.0) * plain[i].signum()),
+        ),
+        (
+            SensorEffect::EncoderEccentricity { cosine: 1e-3, sine: 0.0, wavelength: lambda },
+            Box::new(|i| 1e-3 * wave(i)),
+        ),
+        (SensorEffect::Compliance { snap: 1e-3 }, Box::new(|i| -0.144 * a[i])),
+    ];
+    for (sensor, added) in cases {
+        let found = with(sensor);
+        let worst = (100..2900).map(|i| (found[i] - plain[i] - added(i)).abs()).fold(0.0, f64::max);
+        println!("{sensor:?}: within {worst:.1e} N");
+        assert!(worst < 5e-3);
+    }
+    // a lag of the whole force is what a first-order filter leaves out
+    let lagging = with(SensorEffect::ActuatorLag { share: -1.0, lag: 0.02 });
+    let mut slow = plain[0];
+    for i in 0..3000 {
+        slow = plain[i] + (slow - plain[i]) * (-0.05f64).exp();
+        assert!((lagging[i] - slow).abs() < 1e-9);
+    }
+    // the sign of the velocity seen late: a pulse of twice the level after each reversal
+    let late = with(SensorEffect::VelocityLag { force: 1.0, lag: 0.01 });
+    let pulse: f64 = (0..3000).map(|i| (late[i] - plain[i]).abs() * 1e-3).sum();
+    println!("velocity lag: {pulse:.4} N·s in 11 reversals");
+    assert!((pulse / 11.0 - 2.0 * 0.01).abs() < 0.003);
+    // the load is missing for the gap after the force changes sign
+    let play = with(SensorEffect::Backlash { mass: -0.1, gap: 1e-4 });
+    let touched = (0..3000).filter(|i| (play[*i] - plain[*i]).abs() > 1e-6).count();
+    assert!((100..2900).all(|i| {
+        let d = play[i] - plain[i];
+        d == 0.0 || (d + 0.1 * a[i]).abs() < 1e-3
+    }));
+    println!("backlash: {touched} samples out of contact");
+    assert!(touched > 5 && touched < 200);
 }
 
 proptest! {

@@ -67,8 +67,16 @@ fn check(material: &Material) {
             .collect()
     };
     let (fuller, plain) = (runs(Errors::Fuller), runs(Errors::LeastSquares));
-    println!("{}: 2 x {RUNS} runs of 2000 samples in {:.2?}; {}", material.name, start.elapsed(), fuller[0].estimator);
-    println!("  {:10} {:>8} {:>17} {:>17} {:>8} {:>8}", "", "truth", "Fuller", "least squares", "spread", "told");
+    println!(
+        "{}: 2 x {RUNS} runs of 2000 samples in {:.2?}; {}",
+        material.name,
+        start.elapsed(),
+        fuller[0].estimator
+    );
+    println!(
+        "  {:10} {:>8} {:>17} {:>17} {:>8} {:>8}",
+        "", "truth", "Fuller", "least squares", "spread", "told"
+    );
     let mut failed = Vec::new();
     for (name, truth) in truth(material) {
         let (f, p) = (Spread::of(&fuller, name), Spread::of(&plain, name));
