@@ -58,3 +58,9 @@ pub use result::{
     After, Baseline, Bin, Blind, Curve, Diagnosis, Figures, Location, Missing, NoiseFloor, Quantity, Rejected,
     Remainder, SCHEMA, Validation, Verdict,
 };
+
+/// Ids of every effect a diagnosis can name, in the order of the catalogue.
+#[must_use]
+pub fn effect_ids() -> Vec<&'static str> {
+    term::TermKind::all().iter().map(term::TermKind::id).collect()
+}

@@ -37,8 +37,8 @@ pub(crate) fn concealable() -> Vec<EffectKind> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use friction::effects::EffectState;
     use friction::Motion;
+    use friction::effects::EffectState;
 
     #[test]
     fn every_concealable_effect_is_valid_and_above_the_noise() {

@@ -46,7 +46,9 @@ impl Screen {
             Event::Sample(sample) => {
                 self.points.push_back(sample.point);
                 let newest = sample.point.time;
-                while self.points.len() > MAX_POINTS || self.points.front().is_some_and(|p| p.time < newest - WINDOW_S) {
+                while self.points.len() > MAX_POINTS
+                    || self.points.front().is_some_and(|p| p.time < newest - WINDOW_S)
+                {
                     self.points.pop_front();
                 }
             }
@@ -129,7 +131,8 @@ impl Screen {
     fn plot(&self, frame: &mut Frame, area: Rect, title: &str, colour: Color, value: impl Fn(&Point) -> f64) {
         let data: Vec<(f64, f64)> = self.points.iter().map(|p| (p.time, value(p))).collect();
         let newest = data.last().map_or(0.0, |d| d.0);
-        let (mut low, mut high) = data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d.1), h.max(d.1)));
+        let (mut low, mut high) =
+            data.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d.1), h.max(d.1)));
         if !(low.is_finite() && high.is_finite()) {
             (low, high) = (-1.0, 1.0);
         }
@@ -168,7 +171,8 @@ fn paint(line: &str) -> Line<'_> {
 /// # Errors
 /// The line to the device or the terminal is gone; the terminal is restored first.
 pub(crate) fn screen(session: &mut Session, name: &str) -> Result<()> {
-    let mut terminal = ratatui::try_init().map_err(|e| Failure::new(format!("the terminal cannot be used: {e}")))?;
+    let mut terminal =
+        ratatui::try_init().map_err(|e| Failure::new(format!("the terminal cannot be used: {e}")))?;
     let ended = run(&mut terminal, session, name);
     ratatui::restore();
     ended
@@ -177,6 +181,7 @@ pub(crate) fn screen(session: &mut Session, name: &str) -> Result<()> {
 fn run(terminal: &mut DefaultTerminal, session: &mut Session, name: &str) -> Result<()> {
     let lost = |e: std::io::Error| Failure::new(format!("the terminal is gone: {e}"));
     let mut screen = Screen::default();
+    session.in_real_time();
     screen.say(format!("connected to {name}"));
     session.send_line("version")?;
     session.send_line("stream on 10")?;
@@ -266,7 +271,12 @@ mod tests {
         let mut screen = Screen::default();
         for k in 0..3000 {
             let t = f64::from(k) * 1e-2;
-            screen.take(Event::sample(Point { time: t, position: 0.01 * t.sin(), command: f64::NAN, ..Point::default() }));
+            screen.take(Event::sample(Point {
+                time: t,
+                position: 0.01 * t.sin(),
+                command: f64::NAN,
+                ..Point::default()
+            }));
         }
         screen.say("err RANGE: f_static".into());
         assert!(screen.points.iter().all(|p| p.time >= 29.99 - WINDOW_S));

@@ -87,14 +87,6 @@ pub(crate) fn through<E: From<std::io::Error>>(
     made
 }
 
-/// Reads a text file.
-///
-/// # Errors
-/// Names the file and the operating system's reason.
-pub(crate) fn read_text(path: &Path) -> Result<String> {
-    fs::read_to_string(path).map_err(|e| Failure::in_file(path, format!("cannot be read: {}", reason(&e))))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

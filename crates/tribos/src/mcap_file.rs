@@ -32,11 +32,10 @@ pub(crate) fn write(path: &Path, recording: &Recording) -> Result<()> {
             }
         })
         .collect::<Result<_>>()?;
-    files::through(path, |part| write_part(part, recording, &stamps))
-        .map_err(|e: mcap::McapError| match e {
-            mcap::McapError::Io(e) => files::unwritable(path, &e),
-            e => Failure::in_file(path, e),
-        })
+    files::through(path, |part| write_part(part, recording, &stamps)).map_err(|e: mcap::McapError| match e {
+        mcap::McapError::Io(e) => files::unwritable(path, &e),
+        e => Failure::in_file(path, e),
+    })
 }
 
 fn write_part(path: &Path, recording: &Recording, stamps: &[u64]) -> mcap::McapResult<()> {

@@ -17,9 +17,6 @@ pub struct Move {
 }
 
 impl Move {
-    /// The thesis's excitation (ch. 3.5): 2 Hz, 10 mm.
-    pub const THESIS: Self = Self { wave: Wave::Sine, amplitude: 0.01, frequency: 2.0, seconds: None };
-
     /// For the control step; 0 s runs until stopped.
     #[must_use]
     pub fn excitation(&self, seconds: f64) -> Excitation {
@@ -75,13 +72,26 @@ impl std::str::FromStr for Move {
 mod tests {
     use super::*;
 
+    /// The thesis's excitation (ch. 3.5): 2 Hz, 10 mm.
+    const THESIS: Move = Move { wave: Wave::Sine, amplitude: 0.01, frequency: 2.0, seconds: None };
+
     #[test]
     fn speaks_the_words_of_the_device() {
         let m: Move = "sine 0.01 2 4".parse().unwrap();
-        assert_eq!(m, Move { seconds: Some(4.0), ..Move::THESIS });
+        assert_eq!(m, Move { seconds: Some(4.0), ..THESIS });
         assert_eq!(m.to_string(), "sine 0.01 2 4");
-        assert_eq!("move sine 0.01 2".parse::<Move>().unwrap(), Move::THESIS);
-        for bad in ["", "sine", "sine 0.01", "sine x 2", "sine 0.01 -2", "sine NaN 2", "sine inf 2", "saw 1 2", "sine 1 2 3 4"] {
+        assert_eq!("move sine 0.01 2".parse::<Move>().unwrap(), THESIS);
+        for bad in [
+            "",
+            "sine",
+            "sine 0.01",
+            "sine x 2",
+            "sine 0.01 -2",
+            "sine NaN 2",
+            "sine inf 2",
+            "saw 1 2",
+            "sine 1 2 3 4",
+        ] {
             let said = bad.parse::<Move>().unwrap_err();
             assert!(said.contains("is accepted"), "{bad:?}: {said}");
         }

@@ -63,7 +63,19 @@ impl Results {
     /// # Errors
     /// The first file that cannot be written.
     pub(crate) fn check(&self) -> crate::failure::Result<()> {
-        [&self.out, &self.json, &self.report].into_iter().flatten().try_for_each(|p| crate::files::check_writable(p))
+        [&self.out, &self.json, &self.report]
+            .into_iter()
+            .flatten()
+            .try_for_each(|p| crate::files::check_writable(p))
+    }
+
+    /// One line for each file that was written.
+    pub(crate) fn written(&self) -> String {
+        let files = [("model", &self.out), ("json", &self.json), ("report", &self.report)];
+        files
+            .into_iter()
+            .filter_map(|(what, path)| path.as_ref().map(|path| format!("  {what}: {}\n", path.display())))
+            .collect()
     }
 
     /// Standard output belongs to the JSON.
@@ -75,6 +87,19 @@ impl Results {
 /// A length of time: finite and above zero.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     positive(text, "seconds", 3600.0)
+}
+
+/// A cut-off: finite and above zero.
+pub(crate) fn cutoff(text: &str) -> Result<f64, String> {
+    positive(text, "a frequency in Hz", 1e6)
+}
+
+/// A speed that may be zero.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(v) if v.is_finite() && v >= 0.0 => Ok(v),
+        _ => Err("a finite number from 0 on is accepted".into()),
+    }
 }
 
 /// A noise level: finite and above zero.

@@ -68,7 +68,12 @@ pub(crate) fn record(session: &mut Session, plan: &Plan, path: &Path) -> Result<
     watch_ctrl_c();
     let warm_up = if let Some(motion) = &plan.motion {
         let length = plan.seconds + WARM_UP_S + 0.1;
-        session.command(&format!("move {} {} {} {length}", motion.wave.id(), motion.amplitude, motion.frequency))?;
+        session.command(&format!(
+            "move {} {} {} {length}",
+            motion.wave.id(),
+            motion.amplitude,
+            motion.frequency
+        ))?;
         WARM_UP_S
     } else {
         0.0
@@ -79,7 +84,11 @@ pub(crate) fn record(session: &mut Session, plan: &Plan, path: &Path) -> Result<
     let quiet = session.command("stream off").and_then(|_| session.command("stop"));
     let recorded = outcome.map_err(|failure| {
         let part = files::part(path);
-        if part.exists() { failure.help(format!("what was recorded until then is in {}", part.display())) } else { failure }
+        if part.exists() {
+            failure.help(format!("what was recorded until then is in {}", part.display()))
+        } else {
+            failure
+        }
     })?;
     quiet?;
     Ok(recorded)
@@ -109,8 +118,13 @@ fn take(session: &mut Session, plan: &Plan, path: &Path, warm_up: f64) -> Result
                 Event::Sample(sample) => {
                     let Some(header) = &header else { continue };
                     if let Some(fault) = fault_of(&sample) {
-                        return Err(Failure::new(format!("{}: stopped by the fault {fault}", session.name()))
-                            .help("`fault` tells more, `clear` clears it; a smaller move asks less of the device"));
+                        return Err(Failure::new(format!(
+                            "{}: stopped by the fault {fault}",
+                            session.name()
+                        ))
+                        .help(
+                            "`fault` tells more, `clear` clears it; a smaller move asks less of the device",
+                        ));
                     }
                     let time = sample.point.time - warm_up;
                     if time < -1e-9 {
@@ -143,7 +157,13 @@ fn fault_of(sample: &Sample) -> Option<String> {
     })
 }
 
-fn finish(file: Option<RecordingFile>, path: &Path, seconds: f64, lost: u64, interrupted: bool) -> Result<Recorded> {
+fn finish(
+    file: Option<RecordingFile>,
+    path: &Path,
+    seconds: f64,
+    lost: u64,
+    interrupted: bool,
+) -> Result<Recorded> {
     let Some(file) = file else {
         return Err(Failure::in_file(path, "interrupted before the first sample; nothing was written"));
     };
@@ -170,7 +190,8 @@ impl RecordingFile {
     fn write(&mut self, point: &Point) -> Result<()> {
         self.samples += 1;
         let flush = self.flushed.elapsed() > Duration::from_millis(100);
-        let written = write_row(&mut self.out, point).and_then(|()| if flush { self.out.flush() } else { Ok(()) });
+        let written =
+            write_row(&mut self.out, point).and_then(|()| if flush { self.out.flush() } else { Ok(()) });
         if flush {
             self.flushed = Instant::now();
         }
@@ -190,7 +211,11 @@ impl RecordingFile {
 }
 
 /// Metadata lines and the header of a recording.
-pub(crate) fn write_head(out: &mut impl Write, notes: &[(String, String)], plan: &Plan) -> std::io::Result<()> {
+pub(crate) fn write_head(
+    out: &mut impl Write,
+    notes: &[(String, String)],
+    plan: &Plan,
+) -> std::io::Result<()> {
     writeln!(out, "# recorded_by: tribos {}", env!("CARGO_PKG_VERSION"))?;
     if let Some(motion) = &plan.motion {
         writeln!(out, "# move: {} {} {}", motion.wave.id(), motion.amplitude, motion.frequency)?;

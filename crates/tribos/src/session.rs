@@ -1,16 +1,15 @@
 //! A conversation with a device: commands and their answers, frames and what they mean.
 
 use crate::failure::{Failure, Result};
-use crate::raw::{Calibration, Decoding, Point, Raw};
+use crate::raw::{Calibration, Decoding, Point};
 use crate::transport::{Port, Transport, Virtual};
 use crate::wire::{Item, Wire};
+use link::reply;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 /// How long a device may take to answer.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Silence after which an answer of several lines is complete.
-const PAUSE: Duration = Duration::from_millis(60);
 
 /// What the device says about its stream before the first sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,45 +182,56 @@ impl Session {
         loop {
             for event in self.receive()? {
                 match event {
-                    Event::Text(text) if text.starts_with("ok") => return Ok(text),
-                    Event::Text(text) if text.starts_with("err") => {
-                        return Err(Failure::new(format!("{}: `{line}` was refused: {text}", self.name)));
+                    Event::Text(text) if reply::is_answer(&text) => {
+                        return match reply::refusal(&text) {
+                            Some(_) => {
+                                Err(Failure::new(format!("{}: `{line}` was refused: {text}", self.name)))
+                            }
+                            None => Ok(text),
+                        };
                     }
                     other => self.waiting.push_back(other),
                 }
             }
             if asked.elapsed() > PATIENCE {
-                return Err(Failure::new(format!("{}: no answer to `{line}` within {} s", self.name, PATIENCE.as_secs()))
-                    .help("is it a tribos device, and does nobody else hold its line?"));
+                return Err(self.no_answer(line));
             }
         }
     }
 
-    /// Sends a command and returns every line it is answered with.
+    /// Sends a command and returns every line of its answer, and the news that came meanwhile.
     ///
     /// # Errors
-    /// The line is gone.
+    /// The line is gone, or nobody answers.
     pub fn exchange(&mut self, line: &str) -> Result<Vec<String>> {
         self.send_line(line)?;
         let mut lines = Vec::new();
-        let asked = Instant::now();
+        // lines still to come, once the first line of the answer was heard
+        let mut left: Option<usize> = None;
         let mut heard = Instant::now();
-        loop {
-            let mut any = false;
+        while left != Some(0) {
             for event in self.receive()? {
-                if let Event::Text(text) = event {
-                    lines.push(text);
-                    any = true;
-                }
-            }
-            if any {
                 heard = Instant::now();
+                let Event::Text(text) = event else {
+                    self.waiting.push_back(event);
+                    continue;
+                };
+                left = match left {
+                    None if reply::is_answer(&text) => Some(reply::lines_to_follow(&text)),
+                    Some(count) if !reply::is_news(&text) => Some(count.saturating_sub(1)),
+                    unchanged => unchanged,
+                };
+                lines.push(text);
             }
-            let done = lines.iter().any(|l| l.starts_with("ok") || l.starts_with("err"));
-            let pause = if self.transport.is_virtual() { Duration::ZERO } else { PAUSE };
-            if (done && !any && heard.elapsed() >= pause) || asked.elapsed() > PATIENCE {
-                return Ok(lines);
+            if heard.elapsed() > PATIENCE {
+                return Err(self.no_answer(line));
             }
         }
+        Ok(lines)
+    }
+
+    fn no_answer(&self, line: &str) -> Failure {
+        Failure::new(format!("{}: no answer to `{line}` within {} s", self.name, PATIENCE.as_secs()))
+            .help("is it a tribos device, and does nobody else hold its line?")
     }
 }

@@ -21,7 +21,13 @@ const WARM_UP_S: f64 = 1.5;
 ///
 /// # Errors
 /// A parameter of model or move that the simulation refuses, with what it would accept.
-pub(crate) fn simulate(slide: Slide, mass: f64, motion: &Move, seconds: f64, seed: u64) -> Result<(Vec<Point>, Calibration)> {
+pub(crate) fn simulate(
+    slide: Slide,
+    mass: f64,
+    motion: &Move,
+    seconds: f64,
+    seed: u64,
+) -> Result<(Vec<Point>, Calibration)> {
     let refused = |e: &dyn std::fmt::Display| Failure::new(format!("the simulated rig refuses: {e}"));
     let thesis = RigConfig::default();
     let total = thesis.device_mass + mass;
@@ -88,8 +94,11 @@ pub(crate) fn simulate(slide: Slide, mass: f64, motion: &Move, seconds: f64, see
         let out = control.step(request.as_ref(), &inputs);
         if let Some(fault) = out.fault {
             let at = k as f64 * rig.period();
-            return Err(Failure::new(format!("the simulated rig stopped after {at:.3} s: {}", fault.explain()))
-                .help("a smaller amplitude or a lower frequency asks less of it"));
+            return Err(Failure::new(format!(
+                "the simulated rig stopped after {at:.3} s: {}",
+                fault.explain()
+            ))
+            .help("a smaller amplitude or a lower frequency asks less of it"));
         }
         force = out.force;
         if k >= skipped {
@@ -121,7 +130,8 @@ fn level(slide: &Slide, amplitude: f64, speed: f64) -> f64 {
         for k in 0..200 {
             let position = direction * amplitude * (f64::from(k) / 100.0 - 1.0);
             let velocity = direction * speed * f64::from(k % 20) / 19.0;
-            let motion = Motion { dt: 1e-3, position, velocity, displacement: velocity * 1e-3, ..Motion::default() };
+            let motion =
+                Motion { dt: 1e-3, position, velocity, displacement: velocity * 1e-3, ..Motion::default() };
             let force = slide.step(&mut state, &motion).abs();
             if force.is_finite() {
                 most = most.max(force);

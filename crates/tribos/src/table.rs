@@ -38,7 +38,8 @@ impl Table {
         for row in &self.rows {
             let mut line = String::from(" ");
             for ((cell, &width), &right) in row.iter().zip(&widths).zip(&self.right) {
-                let _ = if right { write!(line, " {cell:>width$} ") } else { write!(line, " {cell:<width$} ") };
+                let _ =
+                    if right { write!(line, " {cell:>width$} ") } else { write!(line, " {cell:<width$} ") };
             }
             out.push_str(line.trim_end());
             out.push('\n');
@@ -84,7 +85,10 @@ mod tests {
         let mut t = Table::new(&["parameter", ">value", "unit"]);
         t.row(["mass", "95.154", "kg"]);
         t.row(["σ₀", "3", "N/m"]);
-        assert_eq!(t.render(), "  parameter   value  unit\n  mass       95.154  kg\n  σ₀              3  N/m\n");
+        assert_eq!(
+            t.render(),
+            "  parameter   value  unit\n  mass       95.154  kg\n  σ₀              3  N/m\n"
+        );
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use crate::failure::{Failure, Result};
 use crate::files::reason;
 use std::io::{Read, Write};
-use std::time::Duration;
-use tribos_firmware::VirtualDevice;
+use std::time::{Duration, Instant};
+use tribos_firmware::{VirtualConfig, VirtualDevice};
 
 /// A line to a device.
 pub trait Transport {
@@ -21,8 +21,8 @@ pub trait Transport {
     /// The line is gone.
     fn receive(&mut self, out: &mut Vec<u8>) -> Result<()>;
 
-    /// Runs faster than real time, so that nothing is gained by waiting for it.
-    fn is_virtual(&self) -> bool;
+    /// From now on a virtual device keeps the pace of the clock on the wall; a real one does so anyway.
+    fn in_real_time(&mut self) {}
 }
 
 /// A serial port, or a pseudo-terminal such as the one `cargo run` prints.
@@ -69,12 +69,61 @@ impl Transport for Port {
                 out.extend_from_slice(&chunk[..n]);
                 Ok(())
             }
-            Err(e) if matches!(e.kind(), std::io::ErrorKind::TimedOut | std::io::ErrorKind::Interrupted) => Ok(()),
+            Err(e) if matches!(e.kind(), std::io::ErrorKind::TimedOut | std::io::ErrorKind::Interrupted) => {
+                Ok(())
+            }
             Err(e) => Err(self.gone(&e)),
         }
     }
+}
 
-    fn is_virtual(&self) -> bool {
-        false
+/// Control periods between two looks at a virtual device.
+const STRIDE: u32 = 5;
+
+/// A virtual device inside this process, as fast as it is asked.
+pub struct Virtual {
+    device: VirtualDevice,
+    /// When the next look is due, in real time.
+    due: Option<Instant>,
+}
+
+impl Virtual {
+    /// Boots one.
+    ///
+    /// # Errors
+    /// The rig cannot be built.
+    pub fn new(seed: u64) -> Result<Self> {
+        let config = VirtualConfig { seed, ..VirtualConfig::default() };
+        let device = VirtualDevice::new(&config).map_err(Failure::new)?;
+        Ok(Self { device, due: None })
+    }
+
+    /// The device, to put something on its rig.
+    pub fn device(&mut self) -> &mut VirtualDevice {
+        &mut self.device
+    }
+}
+
+impl Transport for Virtual {
+    fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        self.device.write(bytes);
+        Ok(())
+    }
+
+    fn receive(&mut self, out: &mut Vec<u8>) -> Result<()> {
+        if let Some(due) = &mut self.due {
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            // what a busy machine missed is not caught up
+            *due = Instant::now().max(*due) + Duration::from_secs_f64(self.device.period()) * STRIDE;
+        }
+        for _ in 0..STRIDE {
+            self.device.tick();
+        }
+        self.device.read(out);
+        Ok(())
+    }
+
+    fn in_real_time(&mut self) {
+        self.due = Some(Instant::now());
     }
 }

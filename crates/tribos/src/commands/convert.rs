@@ -31,6 +31,11 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     } else {
         reading::write_csv(&args.output, &recording)?;
     }
-    println!("{}: {} samples, {} signals", args.output.display(), recording.len(), 1 + crate::columns::columns(&recording).len());
+    println!(
+        "{}: {} samples, {} signals",
+        args.output.display(),
+        recording.len(),
+        1 + crate::columns::columns(&recording).len()
+    );
     Ok(Outcome::Done)
 }

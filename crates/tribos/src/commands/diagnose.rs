@@ -1,0 +1,189 @@
+//! `tribos diagnose REC…`
+
+use crate::failure::{Failure, Outcome, Result};
+use crate::options::{Recordings, Results};
+use crate::progress::Progress;
+use crate::table::{Table, number, with_std};
+use crate::{files, reading};
+use diagnose::{Diagnosis, Options, Verdict, diagnose, report};
+use std::path::PathBuf;
+
+/// Options of `diagnose`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    recordings: Recordings,
+    /// Recordings that are not fitted, only predicted: the judges of what was found
+    #[arg(long, value_name = "REC", num_args = 1..)]
+    validate: Vec<PathBuf>,
+    /// Standard deviation of one force sample, N (N·m), where it is known; estimated otherwise
+    #[arg(long, value_name = "N", value_parser = crate::options::noise, allow_hyphen_values = true)]
+    noise: Option<f64>,
+    /// Cut-off of the zero-phase filter, Hz; chosen from the noise when not given
+    #[arg(long, value_name = "HZ", value_parser = crate::options::cutoff, allow_hyphen_values = true)]
+    cutoff: Option<f64>,
+    /// Effects not to be considered
+    #[arg(long, value_name = "EFFECT", value_delimiter = ',')]
+    exclude: Vec<String>,
+    /// Exit with 1 unless this is found: an effect, or a verdict (mismatch, no_mismatch, not_testable)
+    #[arg(long, value_name = "FINDING")]
+    expect: Option<String>,
+    #[command(flatten)]
+    results: Results,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome> {
+    args.results.check()?;
+    for id in args.exclude.iter().chain(&args.expect) {
+        check_finding(id)?;
+    }
+    let train = reading::read_all(&args.recordings.files, &args.recordings.mapping)?;
+    let validate = reading::read_all(&args.validate, &args.recordings.mapping)?;
+    let options = Options {
+        declared_noise: args.noise,
+        cutoff_hz: args.cutoff,
+        exclude: args.exclude.clone(),
+        ..Options::default()
+    };
+    let found = {
+        let bar = Progress::new("diagnosing");
+        diagnose(&train, &validate, &options, &|share, what| bar.set(share, what)).map_err(Failure::new)?
+    };
+    let name = train.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
+    if let Some(path) = &args.results.out {
+        let model = found.model.as_ref().ok_or_else(|| {
+            Failure::new(format!(
+                "--out {}: {name} is not testable, so there is no model to write",
+                path.display()
+            ))
+            .help(found.summary.clone())
+        })?;
+        let model = identify::Model { name: super::identify::model_name(&train), ..model.clone() };
+        files::write(path, model.to_toml().as_bytes())?;
+    }
+    if let Some(path) = &args.results.report {
+        files::write(path, report::html(&found, &name).as_bytes())?;
+    }
+    if let Some(path) = &args.results.json {
+        let text = serde_json::to_string_pretty(&found).map_err(Failure::new)?;
+        files::write(path, format!("{text}\n").as_bytes())?;
+    }
+    if !args.results.json_on_stdout() {
+        print!("{}", describe(&name, &found));
+        print!("{}", args.results.written());
+    }
+    Ok(match &args.expect {
+        Some(finding) if !is_there(&found, finding) => Outcome::ExpectedFindingAbsent,
+        _ => Outcome::Done,
+    })
+}
+
+fn verdict(found: &Diagnosis) -> &'static str {
+    match found.verdict {
+        Verdict::Mismatch => "mismatch",
+        Verdict::NoMismatch => "no_mismatch",
+        Verdict::NotTestable => "not_testable",
+    }
+}
+
+fn is_there(found: &Diagnosis, finding: &str) -> bool {
+    verdict(found) == finding || found.missing.iter().any(|m| m.effect == finding)
+}
+
+/// An id that the diagnosis knows.
+fn check_finding(id: &str) -> Result<()> {
+    let known = diagnose::effect_ids();
+    if known.contains(&id) || matches!(id, "mismatch" | "no_mismatch" | "not_testable") {
+        return Ok(());
+    }
+    Err(Failure::new(format!("`{id}` is no effect")).help(format!("accepted are {}", known.join(", "))))
+}
+
+/// The diagnosis as people read it.
+pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
+    let unit = found.noise_floor.unit.as_str();
+    let mut out = format!("{name}: {}\n{}\n", verdict(found), found.summary);
+    for fault in &found.recording_faults {
+        out += &format!("  fault of the recording: {}\n", fault.why);
+    }
+    if found.verdict == Verdict::NotTestable {
+        return out;
+    }
+    out += &format!(
+        "  noise floor {} {unit} ({}), filter {} Hz; held-out error {} {unit} before, {} {unit} after\n",
+        number(found.noise_floor.rms, 3),
+        found.noise_floor.how,
+        number(found.cutoff_hz, 3),
+        number(found.baseline.rms_heldout, 4),
+        number(found.after.rms_heldout, 4)
+    );
+    let mut where_ = Table::new(&["where it goes wrong", ">from", ">to", "unit", ">share", ">p"]);
+    for l in found.location.iter().take(6) {
+        where_.row([
+            l.coordinate.replace('_', " "),
+            number(l.from, 3),
+            number(l.to, 3),
+            l.unit.clone(),
+            format!("{:.0} %", 100.0 * l.share_of_mismatch),
+            number(l.p, 1),
+        ]);
+    }
+    if !where_.is_empty() {
+        out += &where_.render();
+    }
+    let mut named = Table::new(&[
+        "left out",
+        ">held-out before",
+        ">after",
+        &format!("gain, 95 %, {unit}"),
+        "as well explained by",
+    ]);
+    for m in &found.missing {
+        named.row([
+            m.effect.clone(),
+            number(m.rms_heldout_before, 4),
+            number(m.rms_heldout_after, 4),
+            format!("{} … {}", number(m.gain_ci95[0], 3), number(m.gain_ci95[1], 3)),
+            if m.indistinguishable_from.is_empty() {
+                "nothing else".into()
+            } else {
+                m.indistinguishable_from.join(", ")
+            },
+        ]);
+    }
+    if !named.is_empty() {
+        out += &named.render();
+    }
+    for m in &found.missing {
+        out += &format!("  {}: {}\n    {}\n", m.effect, m.says, m.equation);
+        for (name, q) in &m.parameters {
+            let (value, std) = with_std(q.value, q.std);
+            out += &format!("    {name} = {value} ± {std} {}\n", q.unit);
+        }
+        if !m.experiment.is_empty() && !m.indistinguishable_from.is_empty() {
+            out += &format!("    to tell them apart: {}\n", m.experiment);
+        }
+    }
+    for b in &found.blind_to {
+        out += &format!("  blind to {}: {}\n    to see it: {}\n", b.effect, b.because, b.experiment);
+    }
+    if !found.rejected.is_empty() {
+        let bounds: Vec<String> = found
+            .rejected
+            .iter()
+            .map(|r| format!("{} < {} {}", r.effect, number(r.upper_bound, 2), r.unit))
+            .collect();
+        out += &format!("  ruled out: {}\n", bounds.join(", "));
+    }
+    for v in &found.validation {
+        out += &format!(
+            "  {} (not fitted): {} {unit} before, {} {unit} after ({:.2} % → {:.2} % of the force)\n",
+            v.recording,
+            number(v.rms_before, 4),
+            number(v.rms_after, 4),
+            100.0 * v.relative_before,
+            100.0 * v.relative_after
+        );
+    }
+    out
+}

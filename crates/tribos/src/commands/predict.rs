@@ -1,0 +1,54 @@
+//! `tribos predict --model model.toml REC --out pred.csv`
+
+use crate::failure::{Failure, Outcome, Result};
+use crate::options::Mapping;
+use crate::table::number;
+use crate::{files, reading};
+use identify::{Geometry, Model};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Options of `predict`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Model, as `identify --out` and `diagnose --out` write it
+    #[arg(long, value_name = "model.toml")]
+    model: PathBuf,
+    /// Recording: CSV with units in the header, or .mat (v5) with --map
+    #[arg(value_name = "REC")]
+    recording: PathBuf,
+    /// Prediction to write, CSV: time_s and force_n (torque_nm) at every sample
+    #[arg(long, value_name = "pred.csv")]
+    out: PathBuf,
+    #[command(flatten)]
+    mapping: Mapping,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome> {
+    files::check_writable(&args.out)?;
+    let model = Model::read(&args.model).map_err(|e| Failure::in_file(&args.model, e))?;
+    let recording = reading::read(&args.recording, &args.mapping)?;
+    let predicted = model.predict(&recording).map_err(Failure::new)?;
+    let rotary = recording.geometry == Geometry::Rotary;
+    let (name, unit) = if rotary { ("torque_nm", "N·m") } else { ("force_n", "N") };
+    let mut text = format!("# predicted_by: tribos {}\n# model: {}\n", env!("CARGO_PKG_VERSION"), model.name);
+    let _ = writeln!(text, "time_s,{name}");
+    let (mut error, mut force, mut count) = (0.0, 0.0, 0);
+    for ((t, p), f) in recording.time.iter().zip(&predicted).zip(&recording.force) {
+        let _ = writeln!(text, "{t},{p}");
+        if f.is_finite() && p.is_finite() {
+            (error, force, count) = (error + (f - p) * (f - p), force + f * f, count + 1);
+        }
+    }
+    files::write(&args.out, text.as_bytes())?;
+    if args.out.as_os_str() != "-" && count > 0 && force > 0.0 {
+        println!(
+            "{}: {} samples; unfiltered residual {} {unit} rms, {:.2} % of the force",
+            args.out.display(),
+            predicted.len(),
+            number((error / f64::from(count)).sqrt(), 4),
+            100.0 * f64::sqrt(error / force)
+        );
+    }
+    Ok(Outcome::Done)
+}
