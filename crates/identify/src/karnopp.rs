@@ -8,7 +8,6 @@
 
 use crate::identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
 use crate::linear::{Dropped, Problem, Solution};
-use crate::moves::Moves;
 use crate::ready::Ready;
 use crate::static_level::{LowSpeed, StaticLevels};
 use crate::{Error, Signals};
@@ -189,10 +188,15 @@ impl Rows {
             coulomb,
             viscous,
             noise,
+            blur: ready.blur * rms(&signals.acceleration),
             independence: (solution.effective_samples / n).clamp(1e-3, 1.0),
         }
         .find()
     }
+}
+
+fn rms(series: &[f64]) -> f64 {
+    (series.iter().map(|x| x * x).sum::<f64>() / series.len().max(1) as f64).sqrt()
 }
 
 fn pick_numbers(at: &[usize], kept: &[usize]) -> Vec<usize> {
@@ -267,7 +271,7 @@ impl Report<'_> {
                 kept.push(k);
             }
         }
-        self.low_speed(&mut parameters, &mut not_identifiable, &moves);
+        self.levels.report(units, self.fastest, &moves, &mut parameters, &mut not_identifiable);
         let empty = Vec::new();
         let residual = solution.as_ref().map_or(&empty, |s| &s.residual);
         let fit =
@@ -347,48 +351,6 @@ impl Report<'_> {
                 100.0 * share,
                 if name == "mass" { "acceleration" } else { "velocity" }
             ),
-        }
-    }
-
-    /// D_p, D_n and Δv.
-    fn low_speed(
-        &self,
-        parameters: &mut BTreeMap<String, Estimate>,
-        lost: &mut Vec<NotIdentifiable>,
-        moves: &Moves,
-    ) {
-        let units = self.ready.units;
-        let experiment = || moves.break_away();
-        for (way, (name, direction)) in
-            [("static_p", "positive"), ("static_n", "negative")].into_iter().enumerate()
-        {
-            match self.levels.levels[way] {
-                Some((value, std)) => {
-                    parameters.insert(name.into(), Estimate::gaussian(value, std, units.force()));
-                }
-                None => lost.push(NotIdentifiable {
-                    parameter: name.into(),
-                    because: format!(
-                        "the body left rest {} times in {direction} direction, with too few samples below Δv to tell static from sliding friction",
-                        self.levels.events[way]
-                    ),
-                    experiment: experiment(),
-                }),
-            }
-        }
-        match self.levels.delta_v {
-            Some((value, std)) => {
-                parameters.insert("delta_v".into(), Estimate::gaussian(value, std, units.velocity()));
-            }
-            None => lost.push(NotIdentifiable {
-                parameter: "delta_v".into(),
-                because: format!(
-                    "below {:.3e} {} friction shows no step from static to sliding that stands out of the noise",
-                    0.3 * self.fastest,
-                    units.velocity()
-                ),
-                experiment: experiment(),
-            }),
         }
     }
 }

@@ -96,7 +96,10 @@ impl Model {
         let mut set = |name: &str, value: f64| out.push((name.to_string(), decimal(value)));
         set("mass", self.mass);
         for (name, value) in law_parameters(&self.law) {
-            set(name, value);
+            // A Δv that is not known is the device's choice: it refuses zero.
+            if name != "dv" || value > 0.0 {
+                set(name, value);
+            }
         }
         for effect in &self.effects {
             for parameter in effect.kind.gains().iter().chain(effect.kind.shape()) {

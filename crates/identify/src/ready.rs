@@ -37,6 +37,8 @@ pub(crate) struct Ready<'a> {
     pub acceleration_rows: Vec<f64>,
     pub velocity_rows: Vec<f64>,
     pub force_rows: Vec<f64>,
+    /// Time over which the filter of the rows spreads a step, s; 0 without one.
+    pub blur: f64,
     /// What is known of the errors in the regressors of the rows. Zero for least squares.
     pub errors: Variances,
     /// Number of each row.
@@ -88,6 +90,16 @@ impl<'a> Ready<'a> {
         if !finite {
             return refuse("a signal holds values that are not numbers".into());
         }
+        let mut blur = 0.0;
+        if !signals.keeps_every_sample() {
+            let mut impulse = vec![0.0; signals.len()];
+            if let Some(middle) = impulse.get_mut(signals.len() / 2) {
+                *middle = 1.0;
+            }
+            // Width of a pulse of area one from its height; a decimation keeps the height, or misses a little of it.
+            let height = signals.condition(&impulse).iter().fold(0.0f64, |m, h| m.max(*h));
+            blur = if height > 0.0 { dt / height } else { f64::INFINITY };
+        }
         let mut displacement: Vec<f64> = vec![0.0];
         displacement.extend(smoothed.position.windows(2).map(|w| w[1] - w[0]));
         let (low, high) = signals
@@ -107,6 +119,7 @@ impl<'a> Ready<'a> {
             velocity_std: smoothed.velocity_std,
             position_std: smoothed.position_std,
             displacement,
+            blur,
             errors,
             travel: high - low,
             step_rms,

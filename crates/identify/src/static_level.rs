@@ -4,6 +4,10 @@
 //! the speed passes Δv, then falls to C. So Δv is the speed of that step (the one that leaves the least squared
 //! error), and D the mean friction below it, on the samples that speed up from rest.
 
+use crate::identification::{Estimate, NotIdentifiable, Units};
+use crate::moves::Moves;
+use std::collections::BTreeMap;
+
 /// What is left of a recording once inertia and sliding friction are known.
 pub(crate) struct LowSpeed<'a> {
     /// Velocity behind the noise, m/s.
@@ -18,6 +22,8 @@ pub(crate) struct LowSpeed<'a> {
     pub viscous: [f64; 2],
     /// Standard deviation of one sample of friction about the law, N.
     pub noise: f64,
+    /// Speed that a body leaving rest gains while the filter spreads a step, m/s; 0 without a filter.
+    pub blur: f64,
     /// Independent samples per sample: below one behind a filter.
     pub independence: f64,
 }
@@ -29,8 +35,54 @@ pub(crate) struct StaticLevels {
     pub levels: [Option<(f64, f64)>; 2],
     /// Δv with standard deviation, m/s.
     pub delta_v: Option<(f64, f64)>,
+    /// A step was seen, at this speed, but no wider than what a filter makes of any step.
+    pub blurred: Option<f64>,
     /// Times the body left rest in positive and in negative direction.
     pub events: [usize; 2],
+}
+
+impl StaticLevels {
+    /// Numbers where there are any, reasons and the move that would give them where there are none. `fastest` is the
+    /// top speed of the recording, m/s.
+    pub fn report(
+        &self,
+        units: Units,
+        fastest: f64,
+        moves: &Moves,
+        parameters: &mut BTreeMap<String, Estimate>,
+        lost: &mut Vec<NotIdentifiable>,
+    ) {
+        let blurred = self.blurred.map(|dv| {
+            let unit = units.velocity();
+            format!("the step from static to sliding at {dv:.2e} {unit} is no sharper than the filter makes any step")
+        });
+        let mut give = |name: &str, found: Option<(f64, f64)>, unit: &str, because: String| match found {
+            Some((value, std)) => {
+                parameters.insert(name.into(), Estimate::gaussian(value, std, unit));
+            }
+            None => lost.push(NotIdentifiable {
+                parameter: name.into(),
+                because: blurred.clone().unwrap_or(because),
+                experiment: moves.break_away(),
+            }),
+        };
+        for (way, (name, direction)) in
+            [("static_p", "positive"), ("static_n", "negative")].into_iter().enumerate()
+        {
+            let because = format!(
+                "the body left rest {} times in {direction} direction, with too few samples below Δv to tell static \
+                 from sliding friction",
+                self.events[way]
+            );
+            give(name, self.levels[way], units.force(), because);
+        }
+        let because = format!(
+            "below {:.3e} {} friction shows no step from static to sliding that stands out of the noise",
+            TOP * fastest,
+            units.velocity()
+        );
+        give("delta_v", self.delta_v, units.velocity(), because);
+    }
 }
 
 /// Leaving rest in one direction: sample numbers, speeds rising.
@@ -39,6 +91,8 @@ struct Event {
     samples: Vec<usize>,
 }
 
+/// A step at less than this many times what the filter spreads it over is the filter's.
+const BLURRED: f64 = 3.0;
 /// Speed, as a share of the largest, above which no static friction is looked for.
 const TOP: f64 = 0.3;
 
@@ -56,6 +110,10 @@ impl LowSpeed<'_> {
             out.events[event.way] += 1;
         }
         out.delta_v = self.step(&events);
+        if let Some((dv, _)) = out.delta_v.filter(|(dv, _)| *dv < BLURRED * self.blur) {
+            (out.delta_v, out.blurred) = (None, Some(dv));
+            return out;
+        }
         let top = match out.delta_v {
             Some((dv, _)) => dv - (1.5 * self.velocity_std).min(0.25 * dv),
             None => 3.0 * rest,
