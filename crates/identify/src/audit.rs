@@ -1,6 +1,12 @@
 //! What is wrong with a recording, found before anything is fitted: faults of the recording, not physics.
 
+mod agreement;
+mod channels;
+mod clock;
+mod spectrum;
+
 use crate::Recording;
+use crate::stretches::{cut, used};
 use serde::{Deserialize, Serialize};
 
 /// What kind of fault.
@@ -67,8 +73,42 @@ impl Audit {
     }
 }
 
-/// Looks for faults of the recording.
+impl RecordingFault {
+    pub(crate) fn new(kind: FaultKind, at_s: Option<f64>, why: String) -> Self {
+        Self { kind, at_s: at_s.filter(|t| t.is_finite()), why }
+    }
+}
+
+/// Looks for faults of the recording. Silent where there are none: what is physics is not reported here.
 #[must_use]
 pub fn audit(recording: &Recording) -> Audit {
-    Audit { faults: Vec::new(), samples: recording.len(), sample_period: recording.sample_period() }
+    let mut out =
+        Audit { samples: recording.len(), sample_period: recording.sample_period(), ..Audit::default() };
+    if let Err(error) = recording.check_lengths() {
+        out.faults.push(RecordingFault::new(FaultKind::TooShort, None, error.to_string()));
+        return out;
+    }
+    if recording.len() < crate::stretches::SHORTEST {
+        let why = format!("{} samples, at least {} are needed", recording.len(), crate::stretches::SHORTEST);
+        out.faults.push(RecordingFault::new(FaultKind::TooShort, None, why));
+    }
+    clock::not_a_number(recording, &mut out.faults);
+    let Some(dt) = out.sample_period else {
+        if recording.len() > 1 {
+            let why = "time never goes forward: no sampling period can be told".to_string();
+            out.faults.push(RecordingFault::new(FaultKind::ClockBackward, None, why));
+        }
+        return out;
+    };
+    clock::steps(recording, dt, &mut out.faults);
+    clock::declared(recording, dt, &mut out.faults);
+    channels::values(recording, &mut out.faults);
+    channels::motion(recording, &mut out.faults);
+    let stretches = cut(&recording.time, &used(recording), dt);
+    if let Some(longest) = stretches.iter().max_by_key(|s| s.range.len()) {
+        clock::renumbered(recording, longest, &mut out.faults);
+        agreement::check(recording, longest, &mut out.faults);
+        spectrum::hidden_filter(recording, longest, &mut out.faults);
+    }
+    out
 }
