@@ -15,7 +15,7 @@ pub enum Error {
         why: String,
     },
     /// Something at one place of a file.
-    #[error("{file}{place}: {}{}", Found(value), accepted.trim_start_matches([':', ' ']))]
+    #[error("{file}{place}: {}{}", Found(value).within(40), accepted.trim_start_matches([':', ' ']))]
     Input {
         /// File.
         file: String,
@@ -27,7 +27,7 @@ pub enum Error {
         accepted: String,
     },
     /// A `--map` text that cannot be used.
-    #[error("map, column {column}: {why} in `{map}`")]
+    #[error("map, column {column}: {why} in {}", Found(map).within(200).trim_end())]
     Map {
         /// The text.
         map: String,
@@ -81,15 +81,20 @@ impl fmt::Display for Place {
 /// The offending value in quotes, on one line and not longer than a line.
 struct Found<'a>(&'a str);
 
-impl fmt::Display for Found<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Found<'_> {
+    fn within(&self, longest: usize) -> String {
         if self.0.is_empty() {
-            return Ok(());
+            return String::new();
         }
-        let mut shown: String = self.0.chars().take(40).flat_map(char::escape_debug).collect();
-        if self.0.chars().nth(40).is_some() {
+        let mut shown: String = self.0.chars().take(longest).flat_map(escaped).collect();
+        if self.0.chars().nth(longest).is_some() {
             shown.push('…');
         }
-        write!(f, "`{shown}` ")
+        format!("`{shown}` ")
     }
+}
+
+/// Control characters would break the line; quotes and backslashes are fine as they are.
+fn escaped(c: char) -> Vec<char> {
+    if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') { c.escape_debug().collect() } else { vec![c] }
 }

@@ -51,7 +51,10 @@ impl FromStr for Map {
             let start = parser.at;
             let name = parser.name()?;
             let Some(column) = columns::find(&name) else {
-                return Err(parser.error(start, format!("`{name}` is no column; {}", columns::advice(&name))));
+                return Err(parser.error(
+                    start,
+                    format!("`{}` is no column; {}", name.escape_debug(), columns::advice(&name)),
+                ));
             };
             if entries.iter().any(|e| e.column.slot == column.slot) {
                 return Err(parser.error(start, format!("{name} is given twice")));
@@ -132,7 +135,7 @@ impl Map {
         self.visit(|name, at| {
             let why = match (lookup(name), length) {
                 (None, _) if name == "index" => return,
-                (None, _) => format!("the file has no variable `{name}`; it has {has}"),
+                (None, _) => format!("the file has no variable `{}`; it has {has}", name.escape_debug()),
                 (Some([]), _) => format!("`{name}` is empty"),
                 (Some([_]), _) => return,
                 (Some(values), None) => {
@@ -313,9 +316,11 @@ impl Parser<'_> {
         self.skip_space();
         let start = self.at;
         if !self.peek().is_some_and(|c| c.is_ascii_digit() || c == '.') {
-            return self.name().map(|name| Expression::Variable(name, start)).map_err(|_| {
-                self.error(start, format!("{}, accepted is a variable, a number or `(`", self.found()))
-            });
+            if !self.peek().is_some_and(|c| c.is_alphanumeric() || matches!(c, '_' | '"' | '\'')) {
+                let why = format!("{}, accepted is a variable, a number or `(`", self.found());
+                return Err(self.error(start, why));
+            }
+            return Ok(Expression::Variable(self.name()?, start));
         }
         while let Some(c) = self.peek() {
             let exponent_sign = matches!(c, '+' | '-')
