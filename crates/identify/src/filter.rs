@@ -180,7 +180,7 @@ fn chebyshev(order: usize, ripple_db: f64) -> (Vec<Complex<f64>>, f64) {
     let mu = (1.0 / epsilon).asinh() / order as f64;
     let poles =
         angles(order).map(|t| Complex::new(-mu.sinh() * t.cos(), snap(mu.cosh() * t.sin()))).collect();
-    (poles, if order % 2 == 0 { 1.0 / (1.0 + epsilon * epsilon).sqrt() } else { 1.0 })
+    (poles, if order.is_multiple_of(2) { 1.0 / (1.0 + epsilon * epsilon).sqrt() } else { 1.0 })
 }
 
 /// Angles of the poles from the negative real axis, those in [0, π/2).

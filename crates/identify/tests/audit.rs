@@ -1,9 +1,11 @@
 //! The audit: silent on good recordings, measured and simulated; loud, with the right place and number, on bad ones.
 
 use identify::{
-    Audit, FaultKind, Filter, Map, ReadOptions, Recording, audit, four_point_difference, zero_phase,
+    Audit, FaultKind, Filter, Map, Preprocess, ReadOptions, Recording, audit, four_point_difference, prepare,
+    zero_phase,
 };
 use plant::{Excitation, MeasurementNoise, ThesisExperiment, materials};
+use proptest::prelude::*;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -261,4 +263,57 @@ fn columns(r: &mut Recording) -> Vec<&mut Vec<f64>> {
     let optional = [&mut r.velocity, &mut r.acceleration, &mut r.reference];
     out.extend(optional.into_iter().filter_map(Option::as_mut));
     out
+}
+
+/// A value as recordings have them, or as they should not have them.
+fn value() -> impl Strategy<Value = f64> {
+    prop_oneof![6 => -1.0f64..1.0, 1 => prop::num::f64::ANY, 1 => Just(f64::NAN), 1 => Just(0.0), 1 => Just(1e300)]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever the columns hold: no panic, and every signal that comes out is a number.
+    #[test]
+    fn anything_is_audited_and_prepared_or_refused(
+        columns in prop::collection::vec(prop::collection::vec(value(), 150), 5),
+        even: bool,
+        holes in prop::collection::vec((0usize..5, 0usize..150), 0..5),
+        which in 0usize..4,
+    ) {
+        let mut columns = columns;
+        if even {
+            for column in &mut columns {
+                column.iter_mut().for_each(|x| *x = if x.is_finite() { x.clamp(-1.0, 1.0) } else { 0.5 });
+            }
+            columns[0] = (0..150).map(|i| f64::from(i) * 1e-3).collect();
+        }
+        for (column, at) in holes {
+            columns[column][at] = f64::NAN;
+        }
+        let mut next = columns.into_iter();
+        let mut take = || next.next().unwrap();
+        let mut recording = Recording {
+            time: take(),
+            position: take(),
+            force: take(),
+            velocity: Some(take()),
+            acceleration: Some(take()),
+            ..Recording::default()
+        };
+        if which == 3 {
+            recording.velocity = None;
+        }
+        let _ = audit(&recording);
+        for how in [Preprocess::default(), Preprocess::Emps, Preprocess::Thesis] {
+            if let Ok(signals) = prepare(&recording, &how) {
+                for column in [&signals.position, &signals.velocity, &signals.acceleration, &signals.force] {
+                    prop_assert_eq!(column.len(), 150);
+                    if even {
+                        prop_assert!(column.iter().all(|x| x.is_finite()));
+                    }
+                }
+            }
+        }
+    }
 }

@@ -86,11 +86,8 @@ pub(super) fn motion(recording: &Recording, out: &mut Vec<RecordingFault>) {
     let position = &recording.position;
     let mut sorted: Vec<f64> = position.iter().copied().filter(|x| x.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    let (Some(low), Some(high)) =
-        (sorted.get(sorted.len() / 200), sorted.get(sorted.len() - 1 - sorted.len() / 200))
-    else {
-        return;
-    };
+    let aside = sorted.len() / 200;
+    let (Some(low), Some(high)) = (sorted.get(aside), sorted.iter().rev().nth(aside)) else { return };
     let error = noise_variance(position).sqrt().max(quantum(position));
     let travel = high - low;
     if !(travel > 20.0 * error) {
