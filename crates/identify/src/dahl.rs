@@ -46,6 +46,8 @@ impl Default for DahlOptions {
 }
 
 const NAMES: [&str; COUNT] = ["mass", "viscous", "limit_p", "limit_n", "sigma"];
+/// A level or stiffness whose logarithm has a larger deviation is not known.
+const VAGUE: f64 = 1.5;
 /// χ² with one degree of freedom, 95 %.
 const CHI_SQUARED: f64 = 3.841;
 const ALL: [usize; COUNT] = [MASS, VISCOUS, LIMIT_P, LIMIT_N, SIGMA];
@@ -200,7 +202,8 @@ impl Report<'_> {
         let (mut at, mut point) = (self.best.point[SIGMA], self.best.point);
         loop {
             let next = at + step;
-            if (end - next) * step < 0.0 {
+            // written so that what is not a number ends the walk
+            if !((end - next) * step >= 0.0) {
                 return None;
             }
             let fitted = self.at(next, &point);
@@ -254,8 +257,12 @@ impl Report<'_> {
             let name = NAMES[*k];
             let variance = variances.get(j).and_then(|row| row.get(j)).copied().unwrap_or(f64::NAN);
             let why = dropped.iter().find(|(d, _)| d == k).map(|(_, why)| why);
-            if why.is_some() || !variance.is_finite() || variance < 0.0 {
+            let vague = *k >= LIMIT_P && variance.sqrt() > VAGUE;
+            if why.is_some() || vague || !variance.is_finite() || variance < 0.0 {
                 let because = match why {
+                    None if vague => {
+                        format!("its deviation is a factor of {:.1e}", variance.sqrt().min(100.0).exp())
+                    }
                     Some(Dropped::Absent) | None => "nothing in this motion depends on it".to_string(),
                     Some(Dropped::Collinear(others)) => {
                         let names: Vec<&str> = others.iter().filter_map(|o| NAMES.get(*o)).copied().collect();
@@ -265,7 +272,11 @@ impl Report<'_> {
                         format!("{:.0} % of what its signal varies is measurement error", 100.0 * share)
                     }
                 };
-                let experiment = if *k == MASS { moves.faster() } else { moves.reversing() };
+                let experiment = match *k {
+                    MASS => moves.faster(),
+                    SIGMA => moves.presliding(),
+                    _ => moves.reversing(),
+                };
                 not_identifiable.push(NotIdentifiable { parameter: name.into(), because, experiment });
                 continue;
             }
@@ -294,7 +305,10 @@ impl Report<'_> {
         let matrix = correlation
             .iter()
             .map(|i| {
-                let entry = |j: &usize| variances[*i][*j] / (variances[*i][*i] * variances[*j][*j]).sqrt();
+                let entry = |j: &usize| {
+                    let size = (variances[*i][*i] * variances[*j][*j]).sqrt();
+                    if size > 0.0 { variances[*i][*j] / size } else { 0.0 }
+                };
                 correlation.iter().map(|j| if i == j { 1.0 } else { entry(j).clamp(-1.0, 1.0) }).collect()
             })
             .collect();

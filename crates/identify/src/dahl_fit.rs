@@ -131,7 +131,8 @@ impl Trace<'_> {
             .with_gtol(1e-10)
             .with_patience(patience)
             .minimize(problem.evaluated());
-        let point = self.corrected(problem.point, free);
+        // Beyond the bounds nothing changes, so a minimiser may end anywhere there.
+        let point = bounded(&self.corrected(problem.point, free));
         let (residual, _) = self.linearise(&point, &[]);
         let converged = report.termination.was_successful()
             || matches!(report.termination, TerminationReason::NoImprovementPossible(_));

@@ -117,15 +117,15 @@ impl Model {
 
 impl From<&Identification> for Model {
     /// What was identified. A parameter the recording does not determine takes the value that adds no physics: static
-    /// friction the dynamic level, Δv zero, and the stiffness of a bristle such that it bends by a micrometre
-    /// (or microradian), which a device feels as a rigid stop.
+    /// friction the dynamic level, Δv zero, and the stiffness of a bristle such that it bends by ten micrometres
+    /// (or microradians), which a hand feels as rigid.
     fn from(found: &Identification) -> Self {
         let of = |name: &str| found.value(name).filter(|v| v.is_finite());
         // A level that came out on the wrong side of zero is zero.
         let level = |name: &str| of(name).unwrap_or(0.0).max(0.0);
         let law = if found.law == "dahl" {
             let (limit_p, limit_n) = (level("limit_p"), level("limit_n"));
-            let rigid = (limit_p.max(limit_n) / 1e-6).max(1.0);
+            let rigid = (limit_p.max(limit_n) / 1e-5).max(1.0);
             Law::Dahl(Dahl {
                 limit_p,
                 limit_n,

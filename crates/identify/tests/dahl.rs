@@ -5,6 +5,7 @@ use identify::{
     DahlOptions, DahlStart, Error, Identification, Preprocess, Recording, identify_dahl, prepare,
 };
 use plant::{Excitation, MeasurementNoise, ThesisExperiment};
+use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 
 /// Table 3-4, one column: mass, viscous, D_p, D_n, σ.
@@ -181,5 +182,42 @@ fn bad_input_is_one_clear_error() {
     match prepare(&still, &Preprocess::default()).and_then(|s| identify_dahl(&s, &DahlOptions::default())) {
         Err(e) => println!("{e}"),
         Ok(found) => assert!(found.parameters.values().all(|p| p.value.is_finite() && p.std.is_finite())),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..Default::default() })]
+
+    /// Whatever the motion: numbers that are finite, reasons, or one refusal; never a panic.
+    #[test]
+    fn nothing_panics_and_nothing_is_infinite(
+        amplitude in prop_oneof![Just(0.0), 1e-7..1e2f64],
+        omega in prop_oneof![Just(0.0), 1e-2..1e3f64],
+        drift in prop_oneof![Just(0.0), -1.0..1.0f64],
+        scale in prop_oneof![Just(0.0), Just(1e-6), Just(1.0), Just(1e6)],
+        samples in 70usize..400,
+    ) {
+        let mut r = Recording::default();
+        for i in 0..samples {
+            let t = i as f64 * 1e-3;
+            let (s, c) = (omega * t).sin_cos();
+            let v = amplitude * omega * c + drift;
+            r.time.push(t);
+            r.position.push(amplitude * s + drift * t);
+            r.force.push(scale * (v.signum() + v - 0.4 * amplitude * omega * omega * s));
+        }
+        for how in [Preprocess::default(), Preprocess::Emps] {
+            let Ok(signals) = prepare(&r, &how) else { continue };
+            let Ok(found) = identify_dahl(&signals, &DahlOptions::default()) else { continue };
+            for (name, p) in &found.parameters {
+                let all = [p.value, p.std, p.ci95[0], p.ci95[1]];
+                prop_assert!(all.iter().all(|x| x.is_finite()), "{name}: {p:?}");
+            }
+            prop_assert!(found.relative_error.is_finite() && found.correlation.iter().flatten().all(|x| x.is_finite()));
+            for name in NAMES {
+                let lost = found.not_identifiable.iter().any(|n| n.parameter == name);
+                prop_assert!(lost != found.parameters.contains_key(name), "{name}: a number or a reason");
+            }
+        }
     }
 }
