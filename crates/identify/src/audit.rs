@@ -75,7 +75,10 @@ impl Audit {
 
 impl RecordingFault {
     pub(crate) fn new(kind: FaultKind, at_s: Option<f64>, why: String) -> Self {
-        Self { kind, at_s: at_s.filter(|t| t.is_finite()), why }
+        // To the nanosecond: a sum of periods has rounding in its last places.
+        let at_s =
+            at_s.filter(|t| t.is_finite()).map(|t| if t.abs() < 1e6 { (t * 1e9).round() / 1e9 } else { t });
+        Self { kind, at_s, why }
     }
 }
 

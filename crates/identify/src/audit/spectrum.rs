@@ -33,7 +33,7 @@ pub(super) fn hidden_filter(recording: &Recording, stretch: &Stretch, out: &mut 
         }
         if let Some((edge, fall)) = spectrum.break_off() {
             let why = format!(
-                "{name} was low-passed near {edge:.0} Hz: its spectrum falls by {:.0} dB within an octave, and no \
+                "{name} was low-passed: its spectrum breaks off near {edge:.0} Hz, by {:.0} dB within an octave, and no \
                  noise is left above",
                 10.0 * fall.log10()
             );
@@ -100,7 +100,8 @@ impl Spectrum {
             && self.density.last().is_some_and(|d| *d > 4.0 * self.rounding)
     }
 
-    /// Where it breaks off, Hz, and the power ratio of the fall.
+    /// Where it first breaks off, Hz, and the power ratio of the fall. A resonance of the body below the cut-off can be
+    /// what breaks off first: that something was low-passed is sure, the frequency is a first guess.
     fn break_off(&self) -> Option<(f64, f64)> {
         let last = self.density.len() - 1;
         let top = self.density[last];
