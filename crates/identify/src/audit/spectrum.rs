@@ -105,7 +105,8 @@ impl Spectrum {
     fn break_off(&self) -> Option<(f64, f64)> {
         let last = self.density.len() - 1;
         let top = self.density[last];
-        let ends = self.fall(last) > 10.0 || top < 4.0 * self.rounding;
+        // Second order in the sampled world falls by more than 18 dB up to half the rate; friction, sampled, by 12.
+        let ends = self.fall(last) > 60.0 || top < 4.0 * self.rounding;
         let falls = |i: &usize| {
             let (before, fall) = (self.fall(*i), self.fall(*i + 3));
             fall > FALL && fall > 6.0 * before && top < 1e-2 * self.density[*i]
