@@ -103,12 +103,14 @@ fn take(session: &mut Session, plan: &Plan, path: &Path, warm_up: f64) -> Result
     let mut last = 0.0;
     loop {
         let events = session.poll()?;
-        if events.is_empty() && heard.elapsed() > SILENCE {
+        if heard.elapsed() > SILENCE {
             return Err(Failure::new(format!("{}: no frames for {} s", session.name(), SILENCE.as_secs()))
                 .help("is the device still connected? its `status` says what it does"));
         }
         for event in events {
-            heard = Instant::now();
+            if !matches!(event, Event::Text(_)) {
+                heard = Instant::now();
+            }
             match event {
                 Event::Header(h) => header = Some(h),
                 Event::Lost(frames) if file.is_some() => lost += frames,

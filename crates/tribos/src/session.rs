@@ -180,18 +180,20 @@ impl Session {
         self.send_line(line)?;
         let asked = Instant::now();
         loop {
+            // what comes with the answer, such as the header of a stream, is kept for later
+            let mut answer = None;
             for event in self.receive()? {
                 match event {
-                    Event::Text(text) if reply::is_answer(&text) => {
-                        return match reply::refusal(&text) {
-                            Some(_) => {
-                                Err(Failure::new(format!("{}: `{line}` was refused: {text}", self.name)))
-                            }
-                            None => Ok(text),
-                        };
-                    }
+                    Event::Text(text) if answer.is_none() && reply::is_answer(&text) => answer = Some(text),
                     other => self.waiting.push_back(other),
                 }
+            }
+            match answer {
+                Some(text) if reply::refusal(&text).is_some() => {
+                    return Err(Failure::new(format!("{}: `{line}` was refused: {text}", self.name)));
+                }
+                Some(text) => return Ok(text),
+                None => {}
             }
             if asked.elapsed() > PATIENCE {
                 return Err(self.no_answer(line));
