@@ -33,6 +33,7 @@ mod ready;
 mod recording;
 mod sensor_effect;
 mod smoother;
+mod sources;
 mod static_level;
 mod stretches;
 

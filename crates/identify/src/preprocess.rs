@@ -5,11 +5,12 @@
 //! from velocity and acceleration) through the same filter, leaves out gaps and their edges, and decimates. Behind
 //! one linear filter on both sides, a model that is linear in its parameters stays exactly linear.
 
-use crate::calibrate::{Line, calibrate_accelerometer, filter_variance_gain};
-use crate::cutoff::{central_gain, choose, four_point_gain, white_gain};
+use crate::calibrate::calibrate_accelerometer;
+use crate::cutoff::{central_gain, choose, white_gain};
 use crate::filter::{central_difference, decimation_filter, zero_phase_padded};
 use crate::noise::noise_variance;
 use crate::ready::Variances;
+use crate::sources::{Source, Sources, agrees};
 use crate::stretches::{SHORTEST, Stretch, closed, cut, rms_frequency, used};
 use crate::{Error, Filter, Geometry, Recording, RecordingFault, audit, four_point_difference, zero_phase};
 
@@ -384,7 +385,11 @@ fn tribos(recording: &Recording, signals: &mut Signals, cutoff_hz: Option<f64>) 
     signals.description = format!(
         "force and regressors behind a zero-phase 4th-order Butterworth at {cutoff:.4} Hz ({}); velocity {}, \
          acceleration {}, behind the same at {:.4} Hz",
-        if cutoff_hz.is_some() { "as asked" } else { "the acceleration's error is at most 5 % there, or the bound of the choice" },
+        if cutoff_hz.is_some() {
+            "as asked"
+        } else {
+            "the acceleration's error is at most 5 % there, or the bound of the choice"
+        },
         velocity_from.words("measured"),
         acceleration_from.words("measured"),
         (WIDER * cutoff).min(0.45 / dt)
@@ -396,86 +401,4 @@ fn tribos(recording: &Recording, signals: &mut Signals, cutoff_hz: Option<f64>) 
     let padding = rows.padding();
     signals.rows = Rows { filter: Some((rows, padding)), drop_first: 0, trim, decimation: 1 };
     Ok(())
-}
-
-/// A velocity column is the derivative of the position, to 2 %.
-fn agrees(stretch: &Stretch, position: &[f64], velocity: &[f64], cutoff: f64) -> bool {
-    let dt = stretch.dt;
-    let Ok(filter) = Filter::butterworth(4, (2.0 * cutoff).min(0.2 / dt), dt) else { return false };
-    let given = zero_phase(&filter, &stretch.grid(velocity));
-    let derived = four_point_difference(&zero_phase(&filter, &stretch.grid(position)), dt);
-    let trim = filter.settle().min(given.len() / 8);
-    let inner = trim..given.len() - trim;
-    let noise = noise_variance(velocity) * filter_variance_gain(&filter);
-    Line::through(&given[inner.clone()], &derived[inner], noise)
-        .is_some_and(|line| (line.slope - 1.0).abs() < 0.02 && line.r_squared > 0.98)
-}
-
-/// Where velocity or acceleration comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Source {
-    Position,
-    Velocity,
-    /// The accelerometer.
-    Column,
-}
-
-impl Source {
-    fn words(self, measured: &str) -> &str {
-        match self {
-            Self::Position => "derived from the position by four-point differences",
-            Self::Velocity => "from the velocity column",
-            Self::Column => measured,
-        }
-    }
-}
-
-/// Variance of the white noise of each channel.
-struct Sources {
-    dt: f64,
-    position: f64,
-    velocity: Option<f64>,
-    acceleration: Option<f64>,
-}
-
-impl Sources {
-    fn of_velocity(&self, source: Source, filter: impl Fn(f64) -> f64) -> f64 {
-        match source {
-            Source::Velocity => self.velocity.unwrap_or(0.0) * white_gain(filter),
-            _ => self.position * white_gain(|f| filter(f) * four_point_gain(f, self.dt)),
-        }
-    }
-
-    fn of_acceleration(&self, source: Source, filter: impl Fn(f64) -> f64) -> f64 {
-        let slope = |f| four_point_gain(f, self.dt);
-        match source {
-            Source::Column => self.acceleration.unwrap_or(0.0) * white_gain(filter),
-            Source::Velocity => self.velocity.unwrap_or(0.0) * white_gain(|f| filter(f) * slope(f)),
-            Source::Position => self.position * white_gain(|f| filter(f) * slope(f).powi(2)),
-        }
-    }
-
-    /// The source with the smallest error behind the filter, and its variance.
-    fn velocity(&self, filter: &Filter) -> (f64, Source) {
-        let error = |s| self.of_velocity(s, |f| filter.gain(f).powi(2));
-        let derived = (error(Source::Position), Source::Position);
-        match self.velocity {
-            Some(_) if error(Source::Velocity) < derived.0 => (error(Source::Velocity), Source::Velocity),
-            _ => derived,
-        }
-    }
-
-    fn acceleration(&self, filter: &Filter) -> (f64, Source) {
-        let error = |s| self.of_acceleration(s, |f| filter.gain(f).powi(2));
-        let mut best = (error(Source::Position), Source::Position);
-        for (source, there) in
-            [(Source::Velocity, self.velocity.is_some()), (Source::Column, self.acceleration.is_some())]
-        {
-            let variance = error(source);
-            if there && variance < best.0 {
-                best = (variance, source);
-            }
-        }
-        best
-    }
 }
