@@ -40,7 +40,8 @@ impl Default for Preprocess {
     }
 }
 
-/// Signals of equal length, one value for each sample of the recording, no NaN among them.
+/// Signals of equal length, one value for each sample of the recording, no NaN among them. Between gap-free stretches
+/// holes of the columns are closed by straight lines, and velocity and acceleration are 0: no row is made of that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signals {
     /// Name of the recording.
