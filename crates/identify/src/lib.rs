@@ -42,7 +42,9 @@ pub use calibrate::{Calibration, calibrate_accelerometer};
 pub use dahl::{DahlOptions, DahlStart, identify_dahl};
 pub use error::{Error, Place};
 pub use expression::Map;
-pub use filter::{Design, Filter, Kind, Section, central_difference, decimate, four_point_difference, zero_phase};
+pub use filter::{
+    Design, Filter, Kind, Section, central_difference, decimate, four_point_difference, zero_phase,
+};
 pub use identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
 pub use karnopp::{Errors, KarnoppOptions, identify_karnopp};
 pub use model::{Coupling, Model, Nuisances};

@@ -85,7 +85,7 @@ pub(super) fn declared(recording: &Recording, dt: f64, out: &mut Vec<RecordingFa
         };
         if period > 0.0 && period.is_finite() && (dt / period - 1.0).abs() > 0.01 {
             let why = format!(
-                "time_s goes on by {dt:.6} s a sample, {key} says {value}: the clock is {:.4} times too slow or fast",
+                "time_s goes on by {dt:.6} s a sample, {key} = {value} means {period:.6} s: a factor of {:.4}",
                 dt / period
             );
             out.push(RecordingFault::new(FaultKind::TimeBase, None, why));
