@@ -9,6 +9,9 @@ use nalgebra::{DMatrix, DVector};
 /// A column whose part orthogonal to the others is smaller than this share of itself is one of them in disguise.
 const COLLINEAR: f64 = 1e-7;
 
+/// Squared size of a column below which it is not there.
+const VANISHED: f64 = 1e-200;
+
 /// Least share of a column's own variance that must be motion and not measurement error.
 const RELIABLE: f64 = 0.2;
 
@@ -93,7 +96,12 @@ impl Problem<'_> {
         let mut dropped = Vec::new();
         let mut kept: Vec<usize> = Vec::new();
         for (k, column) in self.columns.iter().enumerate() {
-            if column.iter().any(|x| *x != 0.0) {
+            let size = dot(column, column);
+            if !size.is_finite() {
+                return None;
+            }
+            // A square that underflows cannot be scaled by.
+            if size > VANISHED {
                 kept.push(k);
             } else {
                 dropped.push((k, Dropped::Absent));
@@ -357,6 +365,20 @@ mod tests {
         }
         println!("truth 2, least squares {plain:.4}, Fuller {fuller:.4}");
         assert!((plain - 1.6).abs() < 0.02 && (fuller - 2.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn columns_whose_squares_underflow_or_overflow_are_no_columns() {
+        let at: Vec<usize> = (0..50).collect();
+        let target = vec![1.0; 50];
+        for size in [1e-170, 1e-300, 1e200, f64::NAN, f64::INFINITY] {
+            let columns = vec![vec![1.0; 50], normal(1, 50).iter().map(|x| size * x).collect()];
+            let problem = Problem { columns: &columns, target: &target, at: &at, errors: &[0.0, 0.0] };
+            match problem.solve() {
+                Some(s) => assert_eq!(s.dropped, [(1, Dropped::Absent)]),
+                None => assert!(!(size < 1e100)),
+            }
+        }
     }
 
     #[test]
