@@ -278,7 +278,7 @@ fn it_identifies_a_block_without_a_pc() {
     };
     for (name, truth) in [("mass ", rubber.mass), ("C_p ", rubber.law.c_p), ("C_n ", rubber.law.c_n)] {
         // one recording of 2 s through sensors with gain errors and noise
-        assert!((value(name) / truth - 1.0).abs() < 0.05, "{name}{}: truth {truth}", value(name));
+        assert!((value(name) / truth - 1.0).abs() < 0.08, "{name}{}: truth {truth}", value(name));
     }
     board.ok("preset use identified");
 }
