@@ -28,7 +28,7 @@ enum Command {
     Predict(predict::Args),
     /// Move a simulated rig with a model's friction and record it
     Simulate(simulate::Args),
-    /// Convert a recording: csv, mat (v5) in; csv, mcap out
+    /// Convert a recording: csv, mat (v5) in; csv, mat, mcap out
     Convert(convert::Args),
 }
 

@@ -89,7 +89,12 @@ impl Failure {
 }
 
 fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    // the number of an error of the operating system tells a user nothing its name did not
+    match line.find(" (os error ") {
+        Some(at) if line.ends_with(')') => line[..at].to_owned(),
+        _ => line,
+    }
 }
 
 impl fmt::Display for Failure {

@@ -21,6 +21,7 @@ mod conceal;
 mod console;
 mod failure;
 mod files;
+mod mat_file;
 mod mcap_file;
 mod moves;
 mod options;

@@ -38,7 +38,7 @@ pub struct Recordings {
 /// What the variables of a .mat file mean.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct Mapping {
-    /// Signals from variables of a .mat file, e.g. position_m=qm,force_n=gtau*vir
+    /// Signals from variables of a .mat file, e.g. position_m=qm,force_n=gtau*vir; time is `t` unless time_s=… says otherwise
     #[arg(long, value_name = "SIGNAL=VARIABLE,…")]
     pub map: Option<String>,
 }

@@ -11,12 +11,21 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// File, line, column, value and what would be accepted.
 pub(crate) fn read(path: &Path, mapping: &Mapping) -> Result<Recording> {
-    let map = mapping.map.as_deref().map(str::parse::<Map>).transpose();
+    let text = mapping.map.as_deref().map(|map| with_time(path, map));
+    let map = text.as_deref().map(str::parse::<Map>).transpose();
     let map = map.map_err(|e| Failure::new(format!("--map: {e}")))?;
     if path.is_dir() {
         return Err(Failure::in_file(path, "is a directory, not a recording"));
     }
     Recording::read(path, &ReadOptions { map }).map_err(|e| Failure::in_file(path, e))
+}
+
+/// The map, with `time_s=t` where it says nothing of time: the one name nearly every MATLAB file gives to it. A file
+/// without a `t` is then refused by that name.
+fn with_time(path: &Path, map: &str) -> String {
+    let says = map.split(',').any(|entry| entry.split('=').next().is_some_and(|name| name.trim() == "time_s"));
+    let matlab = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mat"));
+    if says || !matlab || map.trim().is_empty() { map.to_owned() } else { format!("{map},time_s=t") }
 }
 
 /// Reads all of them.

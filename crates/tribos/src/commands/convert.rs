@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::options::Mapping;
-use crate::{files, mcap_file, reading};
+use crate::{files, mat_file, mcap_file, reading};
 use std::path::PathBuf;
 
 /// Options of `convert`.
@@ -11,7 +11,7 @@ pub struct Args {
     /// Recording to read: .csv or .mat (v5, with --map)
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// File to write: .csv or .mcap (opens in PlotJuggler, Foxglove and Rerun)
+    /// File to write: .csv, .mat (v5) or .mcap (opens in PlotJuggler, Foxglove and Rerun)
     #[arg(value_name = "OUT")]
     output: PathBuf,
     #[command(flatten)]
@@ -20,16 +20,16 @@ pub struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     let extension = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    if !matches!(extension.as_str(), "csv" | "mcap") {
+    if !matches!(extension.as_str(), "csv" | "mat" | "mcap") {
         return Err(Failure::in_file(&args.output, format!("cannot write `.{extension}`"))
-            .help("a name ending in .csv or .mcap is accepted"));
+            .help("a name ending in .csv, .mat or .mcap is accepted"));
     }
     files::check_writable(&args.output)?;
     let recording = reading::read(&args.input, &args.mapping)?;
-    if extension == "mcap" {
-        mcap_file::write(&args.output, &recording)?;
-    } else {
-        reading::write_csv(&args.output, &recording)?;
+    match extension.as_str() {
+        "mcap" => mcap_file::write(&args.output, &recording)?,
+        "mat" => mat_file::write(&args.output, &recording)?,
+        _ => reading::write_csv(&args.output, &recording)?,
     }
     println!(
         "{}: {} samples, {} signals",

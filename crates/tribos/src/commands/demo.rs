@@ -22,9 +22,9 @@ use tribos_firmware::board::simulated::Holder;
 /// Options of `demo`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder for what the demo makes
-    #[arg(long, value_name = "DIR", default_value = "tribos-demo")]
-    out: PathBuf,
+    /// Folder for what the demo makes; a fresh one beside you when not given
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Effect to conceal in the rig: an effect of the catalogue, `random` or `none`
     #[arg(long, value_name = "EFFECT", default_value = "random")]
     conceal: String,
@@ -38,34 +38,40 @@ const MOTION: Move = Move { wave: Wave::Multisine, amplitude: 0.01, frequency: 0
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     let effect = choose(&args.conceal, args.seed)?;
-    std::fs::create_dir_all(&args.out).map_err(|e| {
-        Failure::in_file(&args.out, format!("cannot be made a folder: {}", files::reason(&e)))
-    })?;
-    let file = |name: &str| args.out.join(name);
+    let out = args.out.clone().unwrap_or_else(fresh_folder);
+    std::fs::create_dir_all(&out)
+        .map_err(|e| Failure::in_file(&out, format!("cannot be made a folder: {}", files::reason(&e))))?;
+    let file = |name: &str| out.join(name);
     files::check_writable(&file("recording.csv"))?;
 
-    println!("1  A device that feels like brass\n");
+    println!("Everything below happens on a virtual device; its files go to {}.", out.display());
+    println!("\n1  A handle that feels like brass");
+    println!("   A motor makes a free handle resist like a block sliding on brass. It is told so over its");
+    println!("   serial line, and a simulated hand tries it.\n");
     feel("brass", args.seed)?;
 
-    println!("\n2  A real block on brass, driven and recorded\n");
+    println!("\n2  A real block on brass, driven and recorded");
+    println!("   Now a block really slides. Something may have been concealed in the rig: you are told at the end.\n");
     let effects: Vec<Effect<f64>> = effect.into_iter().collect();
     let recording = slide(args.seed, &effects, &file("recording.csv"))?;
 
-    println!("\n3  Its friction, identified\n");
+    println!("\n3  Its friction, identified");
+    println!("   The textbook model: a mass, Coulomb and viscous friction, each direction its own.\n");
     let signals = prepare(&recording, &Preprocess::default()).map_err(Failure::new)?;
     let identified = identify_karnopp(&signals, &KarnoppOptions::default()).map_err(Failure::new)?;
     print!("{}", identifying::describe("recording.csv", &identified, None));
     let text = identified.to_json().map_err(Failure::new)?;
     files::write(&file("identification.json"), text.as_bytes())?;
 
-    println!("\n4  What that model leaves out\n");
+    println!("\n4  What that model leaves out");
+    println!("   Every effect of a catalogue competes to explain what is left, judged on data it was not fitted to.\n");
     let found = {
         let bar = Progress::new("diagnosing");
         let progress = |share: f32, what: &str| bar.set(share, what);
         diagnose(std::slice::from_ref(&recording), &[], &Options::default(), &progress)
             .map_err(Failure::new)?
     };
-    print!("{}", diagnosing::describe("recording.csv", &found));
+    print!("{}", diagnosing::outline("recording.csv", &found));
     let json = serde_json::to_string_pretty(&found).map_err(Failure::new)?;
     files::write(&file("diagnosis.json"), json.as_bytes())?;
     files::write(&file("report.html"), report::html(&found, "recording.csv").as_bytes())?;
@@ -80,17 +86,26 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     }
 
     if let Some(model) = &found.model {
-        println!("\n6  What was found, felt\n");
+        println!("\n6  What was found, felt");
+        println!("   The model that was found is a preset: the handle renders it the same minute.\n");
         let model = Model { name: "found".into(), ..model.clone() };
         files::write(&file("model.toml"), model.to_toml().as_bytes())?;
         push(&model, args.seed)?;
     }
-    println!("\nOpen {} in a browser.", file("report.html").display());
-    println!("Beside it: recording.csv, identification.json, diagnosis.json, model.toml.");
-    println!(
-        "Your own device: `cargo tribos record PORT --move \"{MOTION}\" --out mine.csv`, then identify and diagnose it."
-    );
+    println!("\nThe report: {}", file("report.html").display());
+    println!("Beside it: recording.csv, identification.json, diagnosis.json{}.", if found.model.is_some() { ", model.toml" } else { "" });
+    println!("Your own device: cargo tribos record PORT --move \"{MOTION}\" --out mine.csv");
+    println!("                 cargo tribos diagnose mine.csv --report mine.html");
     Ok(Outcome::Done)
+}
+
+/// `tribos-demo`, or the first `tribos-demo-N` that does not exist: no earlier demo is overwritten.
+fn fresh_folder() -> PathBuf {
+    let first = PathBuf::from("tribos-demo");
+    if !first.exists() {
+        return first;
+    }
+    (2_u32..).map(|n| PathBuf::from(format!("tribos-demo-{n}"))).find(|dir| !dir.exists()).unwrap_or(first)
 }
 
 /// The effect asked for.
@@ -161,21 +176,29 @@ fn slide(seed: u64, effects: &[Effect<f64>], path: &Path) -> Result<identify::Re
 /// Sends a model to the device as a preset and renders it.
 fn push(model: &Model, seed: u64) -> Result<()> {
     let mut session = Session::over("sim", Box::new(Virtual::new(seed)?));
+    // What is refused beside the values that were there before may be accepted beside the new ones.
+    let mut left: Vec<String> =
+        model.preset_lines().iter().map(|(name, value)| format!("set {name} {value}")).collect();
+    let sent = left.len();
     let mut refused = Vec::new();
-    for (name, value) in model.preset_lines() {
-        let line = format!("set {name} {value}");
-        if let Err(why) = session.command(&line) {
-            refused.push(why.message().to_owned());
-        }
+    for _ in 0..2 {
+        refused.clear();
+        left.retain(|line| match session.command(line) {
+            Ok(_) => false,
+            Err(why) => {
+                refused.push(why.message().to_owned());
+                true
+            }
+        });
     }
+    println!("  {} of {sent} parameters accepted", sent - left.len());
     for why in &refused {
         println!("  {why}");
     }
     let line = "preset save found";
     said(line, &session.command(line)?);
     said("render on", &session.command("render on")?);
-    println!("  {} parameters sent, {} refused", model.preset_lines().len(), refused.len());
-    println!("  free-standing block mass {} kg", number(model.mass, 4));
+    println!("  The handle now feels like the block: {} kg, with the friction found.", number(model.mass, 4));
     Ok(())
 }
 

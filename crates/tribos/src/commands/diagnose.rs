@@ -99,8 +99,8 @@ fn check_finding(id: &str) -> Result<()> {
     Err(Failure::new(format!("`{id}` is no effect")).help(format!("accepted are {}", known.join(", "))))
 }
 
-/// The diagnosis as people read it.
-pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
+/// The diagnosis without its details: where it goes wrong and what was left out.
+pub(crate) fn outline(name: &str, found: &Diagnosis) -> String {
     let unit = found.noise_floor.unit.as_str();
     let mut out = format!("{name}: {}\n{}\n", verdict(found), found.summary);
     for fault in &found.recording_faults {
@@ -153,6 +153,16 @@ pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
     }
     if !named.is_empty() {
         out += &named.render();
+    }
+    out
+}
+
+/// The diagnosis as people read it.
+pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
+    let unit = found.noise_floor.unit.as_str();
+    let mut out = outline(name, found);
+    if found.verdict == Verdict::NotTestable {
+        return out;
     }
     for m in &found.missing {
         out += &format!("  {}: {}\n    {}\n", m.effect, m.says, m.equation);

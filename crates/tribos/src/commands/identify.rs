@@ -31,6 +31,9 @@ pub struct Args {
     /// Plain least squares (eq. 3.8) instead of Fuller's estimator (eq. 3.9)
     #[arg(long)]
     least_squares: bool,
+    /// Exit with 1 unless this parameter was identified, e.g. sigma
+    #[arg(long, value_name = "PARAMETER")]
+    expect: Option<String>,
     #[command(flatten)]
     results: Results,
 }
@@ -61,6 +64,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     if args.law == LawChoice::Dahl && args.delta_v.is_some() {
         return Err(Failure::new("--delta-v: the law of Dahl has none; accepted with --law karnopp"));
     }
+    if let Some(name) = &args.expect {
+        check_parameter(args.law, name)?;
+    }
     let recordings = reading::read_all(&args.recordings.files, &args.recordings.mapping)?;
     let (recording, faults) = reading::joined(&recordings)?;
     let default = Preprocess::Tribos { cutoff_hz: args.cutoff };
@@ -88,7 +94,25 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         print!("{}", describe(&recording.name, &main.found, beside.as_ref().map(|fit| &fit.found)));
         print!("{}", args.results.written());
     }
-    Ok(Outcome::Done)
+    Ok(match &args.expect {
+        Some(name) if !main.found.parameters.contains_key(name) => Outcome::ExpectedFindingAbsent,
+        _ => Outcome::Done,
+    })
+}
+
+/// A parameter the law has.
+fn check_parameter(law: LawChoice, name: &str) -> Result<()> {
+    let known: &[&str] = match law {
+        LawChoice::Karnopp => {
+            &["mass", "coulomb_p", "coulomb_n", "viscous_p", "viscous_n", "static_p", "static_n", "delta_v"]
+        }
+        LawChoice::Dahl => &["mass", "viscous", "limit_p", "limit_n", "sigma"],
+    };
+    if known.contains(&name) {
+        return Ok(());
+    }
+    Err(Failure::new(format!("--expect: the law has no parameter `{name}`"))
+        .help(format!("accepted are {}", known.join(", "))))
 }
 
 /// A preset's name from the file's.
