@@ -15,11 +15,11 @@ use std::fmt::Write;
 pub fn html(diagnosis: &Diagnosis, name: &str) -> String {
     let mut page = Page::default();
     head(&mut page, diagnosis, name);
-    conviction(&mut page, diagnosis);
-    findings(&mut page, diagnosis);
-    validation(&mut page, diagnosis);
-    comparison(&mut page, diagnosis);
     recording(&mut page, diagnosis);
+    conviction(&mut page, diagnosis);
+    comparison(&mut page, diagnosis);
+    validation(&mut page, diagnosis);
+    findings(&mut page, diagnosis);
     baseline(&mut page, diagnosis);
     excluded(&mut page, diagnosis);
     next(&mut page, diagnosis);
@@ -41,8 +41,11 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
         r#"<header><p class="overline"><span class="chip {class}">{words}</span>recording <b>{}</b></p>
 <h1>{}</h1>"#,
         escape(name),
-        escape(&d.summary)
+        escape(&headline(d))
     ));
+    if d.verdict == Verdict::Mismatch && !d.missing.is_empty() {
+        page.html(format!(r#"<p class="soft">{}</p>"#, escape(&d.summary)));
+    }
     let unit = escape(&d.noise_floor.unit);
     let mut rows: Vec<(&str, f64, &str)> =
         vec![("without the missing physics", d.baseline.rms_heldout, "before")];
@@ -70,6 +73,34 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
     }
     page.html("</header>");
     page.html(faults(&d.recording_faults));
+}
+
+/// What was left out, in one sentence: that of the strongest effect, and how many more there are.
+fn headline(d: &Diagnosis) -> String {
+    let Some(first) = d.missing.first().filter(|_| d.verdict == Verdict::Mismatch) else {
+        return d.summary.clone();
+    };
+    let mut says = sentence(&first.says);
+    match d.missing.len() {
+        1 => says.push_str(" The simulation leaves that out."),
+        2 => says.push_str(" The simulation leaves that out, and one effect more."),
+        n => {
+            let _ = write!(says, " The simulation leaves that out, and {} effects more.", n - 1);
+        }
+    }
+    says
+}
+
+/// With a capital and a full stop.
+fn sentence(text: &str) -> String {
+    let text = text.trim();
+    let mut letters = text.chars();
+    let mut out: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    out.push_str(letters.as_str());
+    if !out.ends_with(['.', '!', '?']) {
+        out.push('.');
+    }
+    out
 }
 
 /// The picture that convinces: the residual over the coordinate where it sits.
@@ -178,7 +209,7 @@ fn finding(m: &Missing, unit: &str) -> String {
     let unit = escape(unit);
     let mut out = format!(
         r#"<div class="finding"><p>{} <code class="id">{}</code></p><div class="equation">{}</div>"#,
-        escape(&m.says),
+        escape(&sentence(&m.says)),
         escape(&m.effect),
         escape(&m.equation)
     );
