@@ -2,11 +2,14 @@
 
 use friction::effects::{Effect, EffectKind};
 
+/// Parameters by name.
+type Named = &'static [(&'static str, f64)];
+
 /// Effects that can be concealed in the rig: each with a size that a single sample hides (table 3-2: 0.062 N of
 /// noise) but ten seconds of motion do not.
 pub(crate) fn concealed(kind: EffectKind, size: f64) -> Option<Effect<f64>> {
     use EffectKind as K;
-    let (gains, shape): (&[(&str, f64)], &[(&str, f64)]) = match kind {
+    let (gains, shape): (Named, Named) = match kind {
         K::Stribeck => (&[("force_p", 0.5), ("force_n", 0.5)], &[("v_s", 0.02), ("delta", 1.0)]),
         K::SublinearViscous => (&[("force_p", 0.6), ("force_n", 0.6)], &[("v_0", 0.03), ("power", 1.0)]),
         K::QuadraticDrag => (&[("c_p", 30.0), ("c_n", 30.0)], &[]),

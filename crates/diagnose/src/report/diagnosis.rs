@@ -44,7 +44,7 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
         escape(&headline(d))
     ));
     if d.verdict == Verdict::Mismatch && !d.missing.is_empty() {
-        page.html(format!(r#"<p class="soft">{}</p>"#, escape(&d.summary)));
+        page.html(format!(r#"<p class="soft" style="margin-top:12px">{}</p>"#, escape(&d.summary)));
     }
     let unit = escape(&d.noise_floor.unit);
     let mut rows: Vec<(&str, f64, &str)> =

@@ -97,7 +97,12 @@ fn stribeck(n: usize) -> Diagnosis {
                 unit: "N".into(),
             })
             .collect(),
-        after: After { rms_heldout: 0.066, free_run_error: Some(1.2e-3), explained_share: 0.97, parameters: BTreeMap::from([("mass".into(), quantity(0.4187, 0.0031, "kg"))]) },
+        after: After {
+            rms_heldout: 0.066,
+            free_run_error: Some(1.2e-3),
+            explained_share: 0.97,
+            parameters: BTreeMap::from([("mass".into(), quantity(0.4187, 0.0031, "kg"))]),
+        },
         detectable: 0.011,
         cutoff_hz: 40.0,
         validation: vec![Validation {

@@ -19,6 +19,11 @@ pub struct Args {
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     let mut session = Session::open(&args.port, args.seed)?;
     if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
+        if args.port == "sim" {
+            // a plot of nothing tells nothing: a hand moves the virtual handle, and it resists
+            session.command("sim hand sine 0.008 0.5")?;
+            session.command("render on")?;
+        }
         console::screen(&mut session, &args.port)?;
     } else {
         console::lines(&mut session)?;
