@@ -75,7 +75,13 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<String>
 /// Effects this motion, or its sensors, cannot show.
 pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, String)]) -> Vec<Blind> {
     let stage = search.stage;
-    let names = ["mass", "Coulomb friction forward", "Coulomb friction backward", "viscous friction forward", "viscous friction backward"];
+    let names = [
+        "mass",
+        "Coulomb friction forward",
+        "Coulomb friction backward",
+        "viscous friction forward",
+        "viscous friction backward",
+    ];
     let mut out: Vec<Blind> = NEVER
         .iter()
         .map(|(effect, _, because)| Blind {
@@ -97,8 +103,14 @@ pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, Strin
         let visible = atoms.iter().map(|a| a.visible).fold(0.0, f64::max);
         let because = if visible >= 0.1 {
             let reliable = atoms.iter().map(|a| a.reliable).fold(f64::NEG_INFINITY, f64::max);
-            format!("sensor noise covers it: only {:.0} % of its signature is signal", 100.0 * reliable.max(0.0))
-        } else if visible == 0.0 && atoms.iter().all(|a| a.columns.is_empty()) && atoms.iter().all(|a| a.visible == 0.0) {
+            format!(
+                "sensor noise covers it: only {:.0} % of its signature is signal",
+                100.0 * reliable.max(0.0)
+            )
+        } else if visible == 0.0
+            && atoms.iter().all(|a| a.columns.is_empty())
+            && atoms.iter().all(|a| a.visible == 0.0)
+        {
             "this motion never excites it".to_string()
         } else {
             // The baseline column closest to it tells a person what absorbs it.
@@ -114,7 +126,10 @@ pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, Strin
             });
             match closest {
                 Some((cosine, name)) if cosine > 0.9 => {
-                    format!("collinear with {name} on this motion (cosine {cosine:.3}, {:.1} % left)", 100.0 * visible)
+                    format!(
+                        "collinear with {name} on this motion (cosine {cosine:.3}, {:.1} % left)",
+                        100.0 * visible
+                    )
                 }
                 _ => format!("absorbed by the baseline on this motion ({:.1} % of it left)", 100.0 * visible),
             }

@@ -3,18 +3,20 @@
 use crate::ambiguity::{blind, equivalents, rejected};
 use crate::experiment::Bench;
 use crate::flips::gain_interval;
-use crate::floor::{Floor, floor};
+use crate::floor::{Floor, floor, systematic};
 use crate::free_run::{self, Plant};
 use crate::intake::{Intake, take};
 use crate::linear::{Fit, dot, fit};
 use crate::locate::{locate, row_motion, row_times};
 use crate::options::{Error, Options};
 use crate::result::{
-    After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Validation, Verdict,
+    After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Validation,
+    Verdict,
 };
 use crate::search::{Atom, Catalogue, FOLDS, Hypothesis, Search};
+use crate::signal::derivative;
 use crate::term::{Scales, Stage, TermKind};
-use crate::track::{Channels, Noise, choose_cutoff, dominant_frequency};
+use crate::track::{Channels, Noise, Track, choose_cutoff, dominant_frequency};
 use identify::Recording;
 use std::collections::BTreeMap;
 
@@ -47,21 +49,52 @@ pub fn diagnose(
     let judged = if validate.is_empty() { None } else { Some(take(validate)?) };
     let unit = if intake.rotary { "N·m" } else { "N" };
     if intake.stretches.is_empty() {
-        return Ok(untestable(intake, unit, "no stretch of the recording is long and clean enough to be fitted"));
+        return Ok(untestable(
+            intake,
+            unit,
+            "no stretch of the recording is long and clean enough to be fitted",
+        ));
     }
     let cutoff = options.cutoff_hz.unwrap_or_else(|| choose_cutoff(&intake.stretches));
     progress(0.05, "filter and baseline");
-    let Some(stage) = Stage::new(&intake.stretches, cutoff) else {
-        return Ok(untestable(intake, unit, "too few samples in motion are left after those with an unknown direction are set aside"));
+    let Some(stage) = with_nuisances(&intake.stretches, cutoff) else {
+        return Ok(untestable(
+            intake,
+            unit,
+            "too few samples in motion are left after those with an unknown direction are set aside",
+        ));
     };
     if stage.baseline.len() < BASELINE.len() {
-        return Ok(untestable(intake, unit, "the body moves in one direction only: record a move that reverses"));
+        return Ok(untestable(
+            intake,
+            unit,
+            "the body moves in one direction only: record a move that reverses",
+        ));
     }
     let Some(baseline) = Hypothesis::new(&stage, Vec::new()) else {
-        return Ok(untestable(intake, unit, "mass and friction cannot be told apart on this motion: accelerate more"));
+        return Ok(untestable(
+            intake,
+            unit,
+            "mass and friction cannot be told apart on this motion: accelerate more",
+        ));
     };
     let run = Run { intake, stage, baseline, cutoff, options, unit };
     Ok(run.diagnose(judged, progress))
+}
+
+/// A delay of up to one sample between force and position is how the recording was made, not physics: it is fitted
+/// jointly with everything. A longer one is an effect to be named (`time_skew`).
+fn with_nuisances(stretches: &[Channels], cutoff: f64) -> Option<Stage> {
+    let stage = Stage::new(stretches, cutoff, true)?;
+    let dt = stretches.iter().map(|s| s.dt).fold(0.0, f64::max);
+    let Some(first) = Hypothesis::new(&stage, Vec::new()) else {
+        return Stage::new(stretches, cutoff, false);
+    };
+    let at = |values: &[f64]| values.get(BASELINE.len()).copied();
+    match at(&first.fit.coefficients).zip(at(&first.fit.deviations)) {
+        Some((delay, std)) if delay.abs() - 3.0 * std <= dt => Some(stage),
+        _ => Stage::new(stretches, cutoff, false),
+    }
 }
 
 struct Run<'a> {
@@ -87,12 +120,16 @@ impl Run<'_> {
         let unavailable = self.unavailable();
         let mut exclude: Vec<&str> = options.exclude.iter().map(String::as_str).collect();
         exclude.extend(unavailable.iter().map(|(e, _)| *e));
+        if stage.delay {
+            exclude.push("time_skew");
+        }
         let catalogue = Catalogue::new(stage, &noisy, &scales, &exclude);
         let search = Search {
             stage,
             catalogue: &catalogue,
             scales: &scales,
             floor: floor.rms * floor.rms * rows,
+            systematic: systematic(stage, baseline.fit.coefficients[0], cutoff, floor.rms).powi(2) * rows,
             max_terms: options.max_terms,
             width: options.beam_width,
             seed: options.seed,
@@ -144,13 +181,15 @@ impl Run<'_> {
 
         progress(0.95, "free run and validation");
         let excess = |sum: f64| (sum - squared_floor).max(0.0);
-        let explained_share = if excess(before) > 0.0 { (1.0 - excess(after) / excess(before)).clamp(0.0, 1.0) } else { 0.0 };
+        let explained_share =
+            if excess(before) > 0.0 { (1.0 - excess(after) / excess(before)).clamp(0.0, 1.0) } else { 0.0 };
         let plant = self.plant(&found);
         let run = free_run::run(stage, &plant, bench.frequency);
         let rejected = rejected(&search, &found, &equivalent, unit);
         let bound = detectable(&rejected);
         let (time, (position, velocity)) = (row_times(stage), row_motion(stage));
-        let unweighted = |series: &[f64]| -> Vec<f64> { series.iter().zip(&stage.weight).map(|(x, w)| x / w).collect() };
+        let unweighted =
+            |series: &[f64]| -> Vec<f64> { series.iter().zip(&stage.weight).map(|(x, w)| x / w).collect() };
         let mut curves = located.curves;
         curves.truncate(8);
         let figures = Figures {
@@ -191,7 +230,11 @@ impl Run<'_> {
             },
             remainder: Remainder {
                 rms: to_rms(excess(after)),
-                located_at: if left.p <= 0.01 { left.regions.into_iter().take(6).collect() } else { Vec::new() },
+                located_at: if left.p <= 0.01 {
+                    left.regions.into_iter().take(6).collect()
+                } else {
+                    Vec::new()
+                },
             },
             detectable: bound,
             cutoff_hz: cutoff,
@@ -229,8 +272,10 @@ impl Run<'_> {
     }
 
     fn parameters(&self, fit: &Fit) -> BTreeMap<String, Quantity> {
+        let delay = ("delay", "s", "s");
         BASELINE
             .iter()
+            .chain(self.stage.delay.then_some(&delay))
             .zip(fit.coefficients.iter().zip(&fit.deviations))
             .map(|((name, linear, rotary), (value, std))| {
                 let unit = if self.intake.rotary { rotary } else { linear };
@@ -273,7 +318,8 @@ impl Run<'_> {
         let stage = &self.stage;
         let atom = &found.atoms[i];
         let kind = atom.term.kind;
-        let mut columns: Vec<Vec<f64>> = Hypothesis::columns(stage, &found.atoms).iter().map(|c| c.to_vec()).collect();
+        let mut columns: Vec<Vec<f64>> =
+            Hypothesis::columns(stage, &found.atoms).iter().map(|c| c.to_vec()).collect();
         let coefficients = found.coefficients(stage, i).to_vec();
         let mut slopes = Vec::new();
         for (axis, parameter) in kind.shape().iter().enumerate() {
@@ -301,9 +347,18 @@ impl Run<'_> {
         let own = found.offset(stage, i);
         let plain = columns.len();
         columns.extend(slopes.iter().cloned());
-        let joint = if slopes.iter().all(|s| dot(s, s) > 0.0) { fit(&columns, &stage.y, &stage.blocks, FOLDS) } else { None };
+        let joint = if slopes.iter().all(|s| dot(s, s) > 0.0) {
+            fit(&columns, &stage.y, &stage.blocks, FOLDS)
+        } else {
+            None
+        };
         let deviation = |column: usize| -> f64 {
-            joint.as_ref().or(Some(&found.fit)).and_then(|f| f.deviations.get(column)).copied().unwrap_or(f64::NAN)
+            joint
+                .as_ref()
+                .or(Some(&found.fit))
+                .and_then(|f| f.deviations.get(column))
+                .copied()
+                .unwrap_or(f64::NAN)
         };
         let mut out = BTreeMap::new();
         let gains = atom.gains(&coefficients);
@@ -315,7 +370,10 @@ impl Run<'_> {
                 .and_then(|free| atom.active.iter().position(|a| *a == free));
             let Some(column) = column else { continue };
             let unit = self.unit_of(parameter.unit);
-            out.insert(parameter.name.to_string(), Quantity { value: gains[g], std: deviation(own + column), unit });
+            out.insert(
+                parameter.name.to_string(),
+                Quantity { value: gains[g], std: deviation(own + column), unit },
+            );
         }
         for (axis, parameter) in kind.shape().iter().enumerate() {
             let std = if joint.is_some() { deviation(plain + axis) } else { f64::NAN };
@@ -343,7 +401,9 @@ impl Run<'_> {
         let c = &found.fit.coefficients;
         let mut plant =
             Plant { mass: c[0], coulomb: [c[1], c[2]], viscous: [c[3], c[4]], ..Plant::default() };
-        plant.sensors = self.stage.tracks.iter().map(|t| vec![0.0; t.len()]).collect();
+        let delay = if self.stage.delay { c.get(BASELINE.len()).copied().unwrap_or(0.0) } else { 0.0 };
+        let late = |t: &Track| derivative(&t.f, t.raw.dt).iter().map(|rate| -delay * rate).collect();
+        plant.sensors = self.stage.tracks.iter().map(late).collect();
         for (i, atom) in found.atoms.iter().enumerate() {
             let gains = atom.gains(found.coefficients(&self.stage, i));
             match atom.term.kind {
@@ -381,7 +441,7 @@ impl Run<'_> {
         for (index, name) in judged.names.iter().enumerate() {
             let stretches: Vec<Channels> =
                 judged.stretches.iter().filter(|s| s.recording == index).cloned().collect();
-            let Some(mut stage) = Stage::new(&stretches, self.cutoff) else { continue };
+            let Some(mut stage) = Stage::new(&stretches, self.cutoff, self.stage.delay) else { continue };
             if stage.baseline.len() < BASELINE.len() {
                 continue;
             }
@@ -422,7 +482,7 @@ impl Run<'_> {
     }
 
     fn model(&self, found: &Hypothesis) -> identify::Model {
-        crate::export::model(&self.intake, &self.stage, found)
+        crate::export::model(&self.intake, &self.stage, found, self.cutoff)
     }
 }
 

@@ -47,7 +47,8 @@ pub fn family(observed: &[Scores], noise: &[Scores], scale: &[f64], flips: usize
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut maxima: Vec<f64> = (0..flips)
         .map(|_| {
-            let signs: Vec<f64> = (0..blocks).map(|_| if random.random::<bool>() { 1.0 } else { -1.0 }).collect();
+            let signs: Vec<f64> =
+                (0..blocks).map(|_| if random.random::<bool>() { 1.0 } else { -1.0 }).collect();
             noise
                 .iter()
                 .zip(&deviation)
@@ -63,7 +64,12 @@ pub fn family(observed: &[Scores], noise: &[Scores], scale: &[f64], flips: usize
             (above + 1) as f64 / (flips + 1) as f64
         })
         .collect();
-    let at = |q: f64| maxima.get(((q * flips as f64) as usize).min(flips.saturating_sub(1))).copied().unwrap_or(f64::INFINITY);
+    let at = |q: f64| {
+        maxima
+            .get(((q * flips as f64) as usize).min(flips.saturating_sub(1)))
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    };
     Family { p, critical_95: at(0.95) }
 }
 
@@ -101,7 +107,11 @@ mod tests {
 
     #[test]
     fn false_alarms_stay_near_nominal_under_autocorrelation() {
-        let blocks = Blocks { edges: (0..=30).map(|k| k * 40).collect(), starts: vec![false; 30] };
+        let blocks = Blocks {
+            edges: (0..=30).map(|k| k * 40).collect(),
+            starts: vec![false; 30],
+            ..Blocks::default()
+        };
         let columns: Vec<Vec<f64>> =
             (1..30).map(|j| (0..1200).map(|i| (i as f64 * 0.02 * j as f64).sin()).collect()).collect();
         let mut alarms = 0;

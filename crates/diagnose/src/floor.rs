@@ -1,8 +1,9 @@
 //! The noise floor: what of the residual does not repeat when the motion does.
 
 use crate::linear::dot;
+use crate::signal::quantum;
 use crate::term::Stage;
-use crate::track::Track;
+use crate::track::{Track, differentiated};
 
 /// A floor behind the filter and the row average.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +44,25 @@ pub fn floor(stage: &Stage, residual: &[Vec<f64>], mass: f64, declared: Option<f
     Floor { rms: (square / f64::max(weight, 1.0)).sqrt(), how, period: None }
 }
 
+/// Share of the noise floor taken for regular.
+const REGULAR: f64 = 0.3;
+
+/// Force, rms, below which nothing is named although a long recording resolves it: there sit the sensors' own regular
+/// errors. The moment of a sample and the like are taken for a share of the floor; quantisation repeats with a motion
+/// that repeats, and then all of it looks like physics.
+pub fn systematic(stage: &Stage, mass: f64, cutoff: f64, floor: f64) -> f64 {
+    let rounding = |series: &[f64]| quantum(series) / 12f64.sqrt();
+    let of = |track: &Track| {
+        let dt = track.raw.dt;
+        // other sources of the acceleration dilute it
+        let acceleration =
+            (rounding(&track.raw.position) * differentiated(2, cutoff, dt)).min(track.noise.acceleration);
+        let force = rounding(&track.raw.force) * differentiated(0, cutoff, dt);
+        (mass * acceleration).hypot(force)
+    };
+    stage.tracks.iter().map(of).fold(REGULAR * floor, f64::max)
+}
+
 /// Half the mean square of what differs between one period and the next, over rows in use in both.
 fn pure_error(track: &Track, residual: &[f64], period: f64) -> (f64, f64) {
     let shift = period / track.raw.dt;
@@ -58,17 +78,13 @@ fn pure_error(track: &Track, residual: &[f64], period: f64) -> (f64, f64) {
         let mut used = true;
         for i in rows {
             let (a, b) = (i + whole, i + whole + 1);
-            used &= track.mask[i] > 0.0 && track.mask[a] > 0.0 && track.mask[b] > 0.0;
+            used &= track.mask[i] == 1.0 && track.mask[a] == 1.0 && track.mask[b] == 1.0;
             difference += residual[i] - (residual[a] * (1.0 - share) + residual[b] * share);
         }
         if used {
             let mean = difference / track.stride as f64;
-            // Near a reversal the moment of crossing differs from period to period: that is not noise of the
-            // rows that carry the fit, and they are weighted down there.
-            let error = track.reversal_error[r * track.stride];
-            let w = 1.0 / (1.0 + error * error);
-            sum += 0.5 * mean * mean * w;
-            weight += w;
+            sum += 0.5 * mean * mean;
+            weight += 1.0;
         }
     }
     (sum, weight)
@@ -88,7 +104,8 @@ pub fn period(track: &Track) -> Option<f64> {
     }
     let mismatch = |series: &[f64], lag: usize| -> f64 {
         let count = series.len() - lag;
-        series[..count].iter().zip(&series[lag..]).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / (2.0 * power * count as f64)
+        series[..count].iter().zip(&series[lag..]).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+            / (2.0 * power * count as f64)
     };
     let curve: Vec<f64> = (0..=m / 2).map(|lag| mismatch(&coarse, lag)).collect();
     // The motion must have gone elsewhere before it counts as having come back.

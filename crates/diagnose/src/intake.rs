@@ -81,10 +81,11 @@ fn cut(r: &Recording, index: usize) -> Vec<Channels> {
         }
     };
     for i in 0..r.time.len() {
-        let breaks = !good(i) || i > start && {
-            let step = r.time[i] - r.time[i - 1];
-            !(step > 0.05 * dt && step < 1.6 * dt)
-        };
+        let breaks = !good(i)
+            || i > start && {
+                let step = r.time[i] - r.time[i - 1];
+                !(step > 0.05 * dt && step < 1.6 * dt)
+            };
         if breaks {
             close(start, i);
             start = if good(i) { i } else { i + 1 };

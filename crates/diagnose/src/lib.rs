@@ -55,8 +55,8 @@ mod words;
 pub use engine::diagnose;
 pub use options::{Error, Options};
 pub use result::{
-    After, Baseline, Bin, Blind, Curve, Diagnosis, Figures, Location, Missing, NoiseFloor, Quantity, Rejected,
-    Remainder, SCHEMA, Validation, Verdict,
+    After, Baseline, Bin, Blind, Curve, Diagnosis, Figures, Location, Missing, NoiseFloor, Quantity,
+    Rejected, Remainder, SCHEMA, Validation, Verdict,
 };
 
 /// Ids of every effect a diagnosis can name, in the order of the catalogue.

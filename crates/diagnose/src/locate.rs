@@ -4,7 +4,7 @@
 use crate::flips::{Family, block_scores, family};
 use crate::linear::{Basis, dot};
 use crate::result::{Bin, Curve, Location};
-use crate::signal::{derivative, quantile};
+use crate::signal::{LowPass, derivative, quantile};
 use crate::term::Stage;
 use crate::track::Track;
 
@@ -75,6 +75,12 @@ pub fn row_motion(stage: &Stage) -> (Vec<f64>, Vec<f64>) {
     (row_means(stage, |t| t.x.clone()), row_means(stage, |t| t.v.clone()))
 }
 
+/// A coordinate must not carry the residual's own noise: sorted by the measured force, noise alone has a slope. So
+/// force and acceleration are the model's, and slower than what is being located.
+fn smooth(track: &Track, series: &[f64]) -> Vec<f64> {
+    LowPass::new(0.25 * track.filter.cutoff, track.raw.dt).apply(series)
+}
+
 fn coordinates(stage: &Stage, rotary: bool) -> Vec<Coordinate> {
     let length = if rotary { "rad" } else { "m" };
     let speed = if rotary { "rad/s" } else { "m/s" };
@@ -99,7 +105,7 @@ fn coordinates(stage: &Stage, rotary: bool) -> Vec<Coordinate> {
         make("position", length, position.clone()),
         Coordinate { subset: "moving forward", ..make("position_forward", length, direction(1.0)) },
         Coordinate { subset: "moving backward", ..make("position_backward", length, direction(-1.0)) },
-        make("acceleration", acceleration, row_means(stage, |t| t.a.clone())),
+        make("acceleration", acceleration, row_means(stage, |t| smooth(t, &t.a))),
         Coordinate {
             logarithmic: true,
             ..make("distance_since_reversal", length, finite(row_means(stage, |t| t.distance.clone())))
@@ -109,8 +115,8 @@ fn coordinates(stage: &Stage, rotary: bool) -> Vec<Coordinate> {
             ..make("time_since_reversal", "s", finite(row_means(stage, |t| t.since.clone())))
         },
         make("time", "s", row_times(stage)),
-        make("force", force, row_means(stage, |t| t.f.clone())),
-        make("jerk", force_rate, row_means(stage, |t| derivative(&t.f, t.raw.dt))),
+        make("force", force, row_means(stage, |t| smooth(t, &t.force_model))),
+        make("jerk", force_rate, row_means(stage, |t| derivative(&smooth(t, &t.force_model), t.raw.dt))),
     ]
 }
 

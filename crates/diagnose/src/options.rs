@@ -21,7 +21,14 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { declared_noise: None, cutoff_hz: None, seed: 1, max_terms: 6, beam_width: 3, exclude: Vec::new() }
+        Self {
+            declared_noise: None,
+            cutoff_hz: None,
+            seed: 1,
+            max_terms: 6,
+            beam_width: 3,
+            exclude: Vec::new(),
+        }
     }
 }
 
@@ -90,10 +97,18 @@ impl Options {
         positive("declared_noise", self.declared_noise)?;
         positive("cutoff_hz", self.cutoff_hz)?;
         if !(1..=8).contains(&self.max_terms) {
-            return Err(Error::Option { name: "max_terms", value: self.max_terms as f64, accepted: "1 to 8" });
+            return Err(Error::Option {
+                name: "max_terms",
+                value: self.max_terms as f64,
+                accepted: "1 to 8",
+            });
         }
         if !(1..=8).contains(&self.beam_width) {
-            return Err(Error::Option { name: "beam_width", value: self.beam_width as f64, accepted: "1 to 8" });
+            return Err(Error::Option {
+                name: "beam_width",
+                value: self.beam_width as f64,
+                accepted: "1 to 8",
+            });
         }
         Ok(())
     }

@@ -187,6 +187,8 @@ pub struct Search<'a> {
     pub scales: &'a Scales,
     /// Squared error that noise alone leaves.
     pub floor: f64,
+    /// Squared error of the sensors that may repeat with the motion as physics does: nothing smaller is named.
+    pub systematic: f64,
     /// Most terms.
     pub max_terms: usize,
     /// Hypotheses carried along.
@@ -208,7 +210,7 @@ impl Search<'_> {
                 &format!("naming: {} found", best.atoms.len()),
             );
             let mut next: Vec<Hypothesis> = beam.iter().flat_map(|h| self.extend(h)).collect();
-            next.sort_by(|a, b| a.fit.heldout_sum().total_cmp(&b.fit.heldout_sum()));
+            next.sort_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
             let mut kept: Vec<Hypothesis> = Vec::new();
             for h in next {
                 let kinds = kinds_of(&h);
@@ -216,7 +218,7 @@ impl Search<'_> {
                     kept.push(self.refine(h));
                 }
             }
-            kept.sort_by(|a, b| a.fit.heldout_sum().total_cmp(&b.fit.heldout_sum()));
+            kept.sort_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
             let Some(found) = kept.iter().find(|h| self.holds(&best, h, start)) else { break };
             best = found.clone();
             beam = kept;
@@ -227,7 +229,8 @@ impl Search<'_> {
     /// Residual of `parent` against every testable column, noise taken from `child`.
     pub fn test(&self, parent: &Hypothesis, child: &Hypothesis, extra: &[Atom]) -> (Vec<Term>, Family) {
         let basis = Basis::of(&Hypothesis::columns(self.stage, &parent.atoms));
-        let spread = (dot(&child.fit.residual, &child.fit.residual) / child.fit.residual.len().max(1) as f64).sqrt();
+        let spread =
+            (dot(&child.fit.residual, &child.fit.residual) / child.fit.residual.len().max(1) as f64).sqrt();
         let score = |atom: &&Atom| -> Vec<(Term, Scores, Scores, f64)> {
             let of = |column: &Vec<f64>| {
                 let rest = basis.project_out(column);
@@ -242,7 +245,8 @@ impl Search<'_> {
         };
         let atoms: Vec<&Atom> = self.catalogue.testable().into_iter().chain(extra).collect();
         let scores: Vec<_> = atoms.par_iter().flat_map_iter(score).collect();
-        let (mut observed, mut noise, mut scale, mut terms) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut observed, mut noise, mut scale, mut terms) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (t, o, n, s) in scores {
             terms.push(t);
             observed.push(o);
@@ -265,17 +269,30 @@ impl Search<'_> {
 
     /// 95 % interval of the held-out gain from `parent` to `child`.
     pub fn interval(&self, parent: &Hypothesis, child: &Hypothesis) -> [f64; 2] {
-        gain_interval(&parent.fit.heldout, &child.fit.heldout, &self.stage.block_weight(), 1000, self.seed ^ 0x9e37)
+        gain_interval(
+            &parent.fit.heldout,
+            &child.fit.heldout,
+            &self.stage.block_weight(),
+            1000,
+            self.seed ^ 0x9e37,
+        )
+    }
+
+    /// Held-out squares, and what the shapes cost: they were chosen on all the data, which holding out does not see.
+    /// ln(n)/2 each in log-likelihood, as in Schwarz's criterion.
+    fn cost(&self, h: &Hypothesis) -> f64 {
+        let rows: f64 = self.stage.block_weight().iter().sum();
+        let shapes: usize = h.atoms.iter().map(|a| a.term.kind.shape().len()).sum();
+        h.fit.heldout_sum() + shapes as f64 * rows.max(2.0).ln() * self.floor / rows.max(1.0)
     }
 
     fn material(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
         let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
-        gain > MATERIAL * (start - self.floor).max(0.02 * start)
+        gain > (MATERIAL * (start - self.floor)).max(self.systematic)
     }
 
     fn holds(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
-        let new: Vec<Atom> =
-            child.atoms.iter().filter(|a| !parent.has(a.term.kind)).cloned().collect();
+        let new: Vec<Atom> = child.atoms.iter().filter(|a| !parent.has(a.term.kind)).cloned().collect();
         child.fit.heldout_sum() < parent.fit.heldout_sum()
             && self.material(parent, child, start)
             && self.interval(parent, child)[0] > 0.0
@@ -409,7 +426,8 @@ impl Search<'_> {
         let from = |x: f64| if log { x.exp() } else { x };
         let step = if crate::term::is_wave(parameter.name) {
             // Lines are narrow: half the grid's spacing in waves per stroke.
-            (0.25 * here / (self.scales.stroke.1 - self.scales.stroke.0)).min(0.3) * if log { 1.0 } else { here }
+            (0.25 * here / (self.scales.stroke.1 - self.scales.stroke.0)).min(0.3)
+                * if log { 1.0 } else { here }
         } else {
             (to(high) - to(low)) / 9.0
         };

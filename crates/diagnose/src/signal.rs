@@ -8,6 +8,8 @@ use std::f64::consts::PI;
 /// exactly linear behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LowPass {
+    /// Cut-off, Hz.
+    pub cutoff: f64,
     sections: [[f64; 5]; 2],
     /// Samples after which the response to an edge has died out.
     settle: usize,
@@ -20,10 +22,16 @@ impl LowPass {
         let k = (PI * cutoff * dt).tan();
         let section = |q: f64| {
             let norm = 1.0 / (1.0 + k / q + k * k);
-            [k * k * norm, 2.0 * k * k * norm, k * k * norm, 2.0 * (k * k - 1.0) * norm, (1.0 - k / q + k * k) * norm]
+            [
+                k * k * norm,
+                2.0 * k * k * norm,
+                k * k * norm,
+                2.0 * (k * k - 1.0) * norm,
+                (1.0 - k / q + k * k) * norm,
+            ]
         };
         let settle = (1.5 / (cutoff * dt)).ceil().min(1e9) as usize;
-        Self { sections: [section(0.541_196_100_146_197), section(1.306_562_964_876_377)], settle }
+        Self { cutoff, sections: [section(0.541_196_100_146_197), section(1.306_562_964_876_377)], settle }
     }
 
     /// Samples to trim at either end.

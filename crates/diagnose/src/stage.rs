@@ -26,13 +26,15 @@ fn cut(tracks: &[Track]) -> Blocks {
         }
         from += rows;
     }
-    Blocks { edges, starts }
+    Blocks { edges, starts, ..Blocks::default() }
 }
 
 impl Stage {
-    /// Filters `stretches` at `cutoff` Hz, weighs rows by how well the sliding direction is known there and
-    /// fits the baseline once. None when too few rows are left.
-    pub fn new(stretches: &[Channels], cutoff: f64) -> Option<Self> {
+    /// Filters `stretches` at `cutoff` Hz and fits the baseline once. None when too few rows are left.
+    ///
+    /// With `delay` the time between force and position is fitted jointly with everything else: a sixth column of
+    /// the baseline.
+    pub fn new(stretches: &[Channels], cutoff: f64, delay: bool) -> Option<Self> {
         let tracks: Vec<Track> = stretches
             .iter()
             .filter(|c| c.position.len() >= 16)
@@ -42,57 +44,58 @@ impl Stage {
         let blocks = cut(&tracks);
         let mut share = Vec::new();
         for track in &tracks {
-            track.rows(&vec![1.0; track.len()], &mut share);
+            track.rows(&track.pass(&vec![1.0; track.len()]), &mut share);
         }
+        // what a residual keeps of its square
+        share.iter_mut().for_each(|s| *s *= *s);
         if share.iter().filter(|s| **s > 0.5).count() < FEWEST_ROWS {
             return None;
         }
         let weight = vec![1.0; share.len()];
-        let mut stage = Self { tracks, weight, share, blocks, y: Vec::new(), baseline: Vec::new() };
+        let mut stage = Self { tracks, weight, share, blocks, y: Vec::new(), baseline: Vec::new(), delay };
         stage.fill();
         let first = fit(&stage.baseline, &stage.y, &stage.blocks, 4);
         if let Some(first) = &first {
-            let coulomb = 0.5 * (first.coefficients[1].abs() + first.coefficients[2].abs());
-            let mut sizes: Vec<f64> =
-                first.residual.iter().zip(&stage.share).filter(|(_, s)| **s > 0.5).map(|(e, _)| e.abs()).collect();
-            sizes.sort_by(f64::total_cmp);
-            let typical = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0) / 0.6745;
-            let mut weights = Vec::with_capacity(stage.weight.len());
-            for track in &stage.tracks {
-                for r in 0..track.row_count() {
-                    let rows = r * track.stride..(r + 1) * track.stride;
-                    let error = track.reversal_error[rows].iter().sum::<f64>() / track.stride as f64 * coulomb;
-                    let ratio = if typical > 0.0 { error / typical } else { 0.0 };
-                    weights.push((1.0 + ratio * ratio).sqrt().recip());
-                }
-            }
-            stage.weight = weights;
-            stage.fill();
+            stage.measure_noise(cutoff, &first.coefficients);
             let second = fit(&stage.baseline, &stage.y, &stage.blocks, 4);
-            stage.model_force(&second.as_ref().unwrap_or(first).coefficients);
+            let coefficients = &second.as_ref().unwrap_or(first).coefficients;
+            stage.blocks.mass = coefficients[0];
+            stage.model_force(coefficients);
         }
         Some(stage)
     }
 
+    /// Measures the acceleration's noise in every block by drawing it once more.
+    fn measure_noise(&mut self, cutoff: f64, coefficients: &[f64]) {
+        let clean = self.rows(|t| t.pass(&t.a));
+        let other = self.perturbed(cutoff, coefficients, 0xacce).rows(|t| t.pass(&t.a));
+        let noise = |k: usize| self.blocks.rows(k).map(|r| (other[r] - clean[r]).powi(2)).sum();
+        self.blocks.noise = (0..self.blocks.len()).map(noise).collect();
+    }
+
     fn fill(&mut self) {
-        self.y = self.rows(|t| t.f.clone());
+        self.y = self.rows(|t| t.pass(&t.raw.force));
         let per_track: Vec<[Vec<f64>; 5]> = self.tracks.iter().map(Track::baseline).collect();
         self.baseline = (0..5)
             .map(|c| {
                 let mut column = Vec::with_capacity(self.weight.len());
                 for (track, series) in self.tracks.iter().zip(&per_track) {
-                    track.rows(&series[c], &mut column);
+                    track.rows(&track.pass(&series[c]), &mut column);
                 }
                 column.iter().zip(&self.weight).map(|(x, w)| x * w).collect()
             })
             .collect();
         // A motion in one direction only has nothing to say about the other.
         self.baseline.retain(|c| c.iter().any(|x| *x != 0.0));
+        if self.delay && self.baseline.len() == 5 {
+            let rates = crate::sensor::ALL.iter().find(|s| s.id == "time_skew");
+            self.baseline.extend(rates.and_then(|s| self.sensor_columns(s, &[0.0; 2]).pop()));
+        }
     }
 
     /// Sets the force that stands for the applied force inside regressors to what the baseline predicts.
     pub fn model_force(&mut self, coefficients: &[f64]) {
-        if coefficients.len() != 5 {
+        if coefficients.len() < 5 {
             return;
         }
         for track in &mut self.tracks {
@@ -144,11 +147,15 @@ impl Stage {
         self.tracks
             .iter()
             .map(|t| {
-                let series = t.baseline();
-                let used: Vec<&Vec<f64>> = series.iter().filter(|_| coefficients.len() == 5).collect();
-                (0..t.len())
-                    .map(|i| t.f[i] - used.iter().zip(coefficients).map(|(s, c)| c * s[i]).sum::<f64>())
-                    .collect()
+                let mut left = t.raw.force.clone();
+                if coefficients.len() >= 5 {
+                    for (series, c) in t.baseline().iter().zip(coefficients) {
+                        for (l, s) in left.iter_mut().zip(series) {
+                            *l -= c * s;
+                        }
+                    }
+                }
+                t.pass(&left)
             })
             .collect()
     }

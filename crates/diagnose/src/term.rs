@@ -144,6 +144,8 @@ pub struct Stage {
     pub y: Vec<f64>,
     /// The same for the baseline's columns.
     pub baseline: Vec<Vec<f64>>,
+    /// The delay of the force is a column of the baseline, the last one.
+    pub delay: bool,
 }
 
 impl Stage {
@@ -183,11 +185,11 @@ impl Stage {
         }
     }
 
-    fn sensor_columns(&self, sensor: &Sensor, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+    pub(crate) fn sensor_columns(&self, sensor: &Sensor, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
         let mut out = vec![Vec::with_capacity(self.weight.len()); sensor.gains.len()];
         for track in &self.tracks {
             for (column, series) in out.iter_mut().zip((sensor.columns)(track, shape)) {
-                track.rows(&series, column);
+                track.rows(&track.pass(&series), column);
             }
         }
         for column in &mut out {
@@ -216,7 +218,8 @@ impl Stage {
                     let gap = track.raw.start - last.time(last.len());
                     let jump = track.x[0] - last.x[last.len() - 1];
                     if gap > 0.0 {
-                        let motion = Motion { dt: gap, displacement: jump, velocity: jump / gap, ..motion(track, 0) };
+                        let motion =
+                            Motion { dt: gap, displacement: jump, velocity: jump / gap, ..motion(track, 0) };
                         kind.unit(shape, &mut memory, &motion);
                     }
                 }
@@ -228,7 +231,7 @@ impl Stage {
                     std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
                 })
                 .collect();
-            track.filtered_rows(&series, &mut out);
+            track.passed_rows(&series, &mut out);
             previous = Some(track);
         }
         for column in &mut out {
@@ -322,9 +325,15 @@ impl Scales {
             "m" | "rad" if is_wave(name) => (span / 40.0, 1.5 * span, true),
             "s" if name.contains("rest") => (1.0 / self.cutoff, 0.3 * self.duration, true),
             "s" => (0.03 * self.duration, self.duration, true),
-            "m" | "rad" if name == "x_max" => (self.stroke.0 + 0.6 * span, self.stroke.1 - 0.02 * span, false),
-            "m" | "rad" if name == "x_min" => (self.stroke.0 + 0.02 * span, self.stroke.1 - 0.6 * span, false),
-            "m" | "rad" if is_place(name) => (self.stroke.0 + 0.05 * span, self.stroke.1 - 0.05 * span, false),
+            "m" | "rad" if name == "x_max" => {
+                (self.stroke.0 + 0.6 * span, self.stroke.1 - 0.02 * span, false)
+            }
+            "m" | "rad" if name == "x_min" => {
+                (self.stroke.0 + 0.02 * span, self.stroke.1 - 0.6 * span, false)
+            }
+            "m" | "rad" if is_place(name) => {
+                (self.stroke.0 + 0.05 * span, self.stroke.1 - 0.05 * span, false)
+            }
             "m" | "rad" => (self.fine.max(1e-5 * span), 0.3 * span, true),
             "1/m" | "1/rad" => (1.0 / (1.5 * span), 40.0 / span, true),
             _ => (parameter.min, parameter.max, false),
@@ -342,7 +351,11 @@ impl Scales {
                 // Even in the number of waves over the stroke, half a wave apart: no line falls between.
                 let span = self.stroke.1 - self.stroke.0;
                 let (few, many) = ((span / high).max(0.5), span / low);
-                return (0..).map(|i| few + 0.4 * f64::from(i)).take_while(|w| *w <= many).map(|w| span / w).collect();
+                return (0..)
+                    .map(|i| few + 0.4 * f64::from(i))
+                    .take_while(|w| *w <= many)
+                    .map(|w| span / w)
+                    .collect();
             } else {
                 points
             };

@@ -1,11 +1,18 @@
 //! One gap-free stretch of a recording, filtered once and ready for regressors.
 //!
 //! Samples at which the sliding direction is not known are set aside *before* the filter's average is formed,
-//! on both sides of the equation alike. A stuck body's friction is whatever balances the applied force: such
-//! samples would be a mismatch for every law and information for none.
+//! on both sides of the equation alike ([`Track::pass`]). A stuck body's friction is whatever balances the applied
+//! force: such samples would be a mismatch for every law and information for none, and set aside behind the filter
+//! they would have leaked into their neighbours already.
+//!
+//! For that the derivatives have to be sharper than the filter: they are taken behind a filter of
+//! [`SHARPER`] times the cut-off, and the noise this lets through is taken out again by the filter itself.
 
 use crate::signal::{LowPass, derivative, local_noise, quantile, rms};
 use std::f64::consts::PI;
+
+/// Cut-off of the filter behind which derivatives are taken, in cut-offs.
+const SHARPER: f64 = 3.0;
 
 /// Raw channels of one gap-free stretch at one rate.
 #[derive(Debug, Clone, Default)]
@@ -37,9 +44,9 @@ pub struct Noise {
     pub position: f64,
     /// Of a raw force sample.
     pub force: f64,
-    /// Of the filtered velocity.
+    /// Of the velocity of a track.
     pub velocity: f64,
-    /// Of the filtered acceleration.
+    /// Of the acceleration behind the filter.
     pub acceleration: f64,
 }
 
@@ -50,23 +57,20 @@ pub struct Track {
     pub raw: Channels,
     /// The filter.
     pub filter: LowPass,
-    /// Filtered position.
+    /// Position behind the sharper filter.
     pub x: Vec<f64>,
-    /// Filtered velocity.
+    /// Velocity behind the sharper filter.
     pub v: Vec<f64>,
-    /// Filtered acceleration.
+    /// Acceleration behind the sharper filter.
     pub a: Vec<f64>,
-    /// Filtered force.
+    /// Force behind the sharper filter.
     pub f: Vec<f64>,
-    /// Normal load, filtered.
+    /// Normal load behind the filter.
     pub normal: Option<Vec<f64>>,
     /// Sliding direction: −1 or 1.
     pub sign: Vec<f64>,
-    /// 0 where the body may be stuck or the filter has not settled, else 1.
+    /// 0 where the body may be stuck or the filter has not settled, 1 where it slides, smooth between.
     pub mask: Vec<f64>,
-    /// Standard deviation, per newton of Coulomb force, of the error made by not knowing the moment of a
-    /// reversal exactly.
-    pub reversal_error: Vec<f64>,
     /// The force as the baseline predicts it: what stands for "the applied force" inside a regressor, because
     /// the measured force's own noise there would correlate with itself.
     pub force_model: Vec<f64>,
@@ -82,7 +86,7 @@ pub struct Track {
 
 /// Sum of squares one white sample of unit variance leaves behind a low-pass at `cutoff` after `order`
 /// differentiations, in the small-band approximation.
-fn differentiated(order: i32, cutoff: f64, dt: f64) -> f64 {
+pub fn differentiated(order: i32, cutoff: f64, dt: f64) -> f64 {
     let w = 2.0 * PI * cutoff;
     (w.powi(2 * order) * 2.0 * cutoff * dt / f64::from(2 * order + 1)).sqrt()
 }
@@ -137,24 +141,26 @@ impl Track {
     pub fn new(raw: Channels, cutoff: f64) -> Self {
         let dt = raw.dt;
         let filter = LowPass::new(cutoff, dt);
-        let noise = derived_noise(&raw, cutoff);
-        let x = filter.apply(&raw.position);
-        let f = filter.apply(&raw.force);
-        let slow = derivative(&x, dt);
+        let sharper = (SHARPER * cutoff).min(0.3 / dt);
+        let sharp = LowPass::new(sharper, dt);
+        let noise = Noise { velocity: derived_noise(&raw, sharper).velocity, ..derived_noise(&raw, cutoff) };
+        let x = sharp.apply(&raw.position);
+        let f = sharp.apply(&raw.force);
+        let slope = derivative(&x, dt);
 
-        let mut velocities = vec![(slow.clone(), noise.position * differentiated(1, cutoff, dt))];
+        let mut velocities = vec![(slope.clone(), noise.position * differentiated(1, sharper, dt))];
         if let Some(column) = &raw.velocity {
-            velocities.push((filter.apply(column), local_noise(column) * differentiated(0, cutoff, dt)));
+            velocities.push((sharp.apply(column), local_noise(column) * differentiated(0, sharper, dt)));
         }
         let v = combine(&velocities);
         let mut accelerations =
-            vec![(derivative(&slow, dt), noise.position * differentiated(2, cutoff, dt))];
+            vec![(derivative(&slope, dt), noise.position * differentiated(2, cutoff, dt))];
         if let Some(column) = &raw.velocity {
-            let a = derivative(&filter.apply(column), dt);
+            let a = derivative(&sharp.apply(column), dt);
             accelerations.push((a, local_noise(column) * differentiated(1, cutoff, dt)));
         }
         if let Some(column) = &raw.acceleration {
-            accelerations.push((filter.apply(column), local_noise(column) * differentiated(0, cutoff, dt)));
+            accelerations.push((sharp.apply(column), local_noise(column) * differentiated(0, cutoff, dt)));
         }
         let a = combine(&accelerations);
 
@@ -172,18 +178,18 @@ impl Track {
             f,
             sign: vec![1.0; n],
             mask: vec![1.0; n],
-            reversal_error: vec![0.0; n],
             distance: vec![0.0; n],
             since: vec![0.0; n],
             stride,
             noise,
             raw,
         };
-        track.find_directions(cutoff);
+        track.find_directions(sharper);
         for i in 0..settle {
             track.mask[i] = 0.0;
             track.mask[n - 1 - i] = 0.0;
         }
+        track.soften((0.75 / (cutoff * dt)).ceil() as usize);
         track.measure_reversals();
         track
     }
@@ -194,13 +200,14 @@ impl Track {
         (3.0 * self.noise.velocity).max(0.003 * fast)
     }
 
-    fn find_directions(&mut self, cutoff: f64) {
+    /// `sharper` is the cut-off behind which the velocity was taken, Hz.
+    fn find_directions(&mut self, sharper: f64) {
         let n = self.v.len();
         let dt = self.raw.dt;
         let guard = self.guard();
-        let ring = (0.5 / (cutoff * dt)).ceil() as usize;
-        let mut crossings = vec![0.0; n];
-        let mut stuck = Vec::new();
+        // as far as an edge of the velocity is smeared
+        let ring = (0.75 / (sharper * dt)).ceil() as usize;
+        let mut unknown = Vec::new();
         let mut i = 0;
         let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
         while i < n {
@@ -224,23 +231,42 @@ impl Track {
             let expected = 2.0 * guard / slope.max(1e-300);
             let stays = (i - start) as f64 * dt;
             // The most likely moment of the crossing is the last change of sign inside.
-            let change = (start.max(1)..i).rev().find(|&j| self.v[j] * after > 0.0 && self.v[j - 1] * after <= 0.0);
+            let change =
+                (start.max(1)..i).rev().find(|&j| self.v[j] * after > 0.0 && self.v[j - 1] * after <= 0.0);
             let change = change.unwrap_or((start + i) / 2).clamp(start, i);
             for j in start..i {
                 self.sign[j] = if j < change { direction } else { after };
             }
-            if stays > (3.0 * dt).max(2.0 * expected) {
-                stuck.push((start.saturating_sub(ring), (i + ring).min(n)));
-            } else if after != direction {
-                crossings[change.min(n - 1)] += 2.0 * (self.noise.velocity / slope.max(1e-300)).min(stays) / dt;
-            } else {
-                crossings[(start + i) / 2] += 0.5 * stays / dt;
+            // A reversal, or a rest. A moment's error at a reversal is twice the Coulomb force for that moment.
+            if after != direction || stays > (3.0 * dt).max(2.0 * expected) {
+                unknown.push((start.saturating_sub(ring), (i + ring).min(n)));
             }
             direction = after;
         }
-        self.reversal_error = self.filter.apply(&crossings);
-        for (from, to) in stuck {
+        for (from, to) in unknown {
             self.mask[from..to].fill(0.0);
+        }
+    }
+
+    /// Lets the mask rise over `width` samples beside every gap. An edge of the acceleration is smeared by the sharper
+    /// filter; cut through by a hard mask it would not cancel.
+    fn soften(&mut self, width: usize) {
+        let n = self.mask.len();
+        let mut nearest = vec![usize::MAX; n];
+        let mut since = usize::MAX;
+        for i in 0..n {
+            since = if self.mask[i] == 0.0 { 0 } else { since.saturating_add(1) };
+            nearest[i] = since;
+        }
+        since = usize::MAX;
+        for i in (0..n).rev() {
+            since = if self.mask[i] == 0.0 { 0 } else { since.saturating_add(1) };
+            nearest[i] = nearest[i].min(since);
+        }
+        for (m, near) in self.mask.iter_mut().zip(nearest) {
+            if near <= width {
+                *m = 0.5 - 0.5 * (PI * near as f64 / (width + 1) as f64).cos();
+            }
         }
     }
 
@@ -279,6 +305,13 @@ impl Track {
         self.len() / self.stride
     }
 
+    /// A series with what is set aside taken out, behind the filter. Linear: what holds of the samples in use holds
+    /// of the result.
+    pub fn pass(&self, series: &[f64]) -> Vec<f64> {
+        let masked: Vec<f64> = series.iter().zip(&self.mask).map(|(x, m)| x * m).collect();
+        self.filter.apply(&masked)
+    }
+
     /// Masked averages over `stride` samples of a series that is already behind the filter.
     pub fn rows(&self, series: &[f64], out: &mut Vec<f64>) {
         let share = 1.0 / self.stride as f64;
@@ -289,9 +322,10 @@ impl Track {
         }
     }
 
-    /// The same for several series at once, unfiltered, each onto its own column.
-    pub fn filtered_rows<const L: usize>(&self, series: &[[f64; L]], out: &mut [Vec<f64>]) {
-        let filtered = self.filter.apply_lanes(series);
+    /// [`Self::pass`] and [`Self::rows`] of several series at once, each onto its own column.
+    pub fn passed_rows<const L: usize>(&self, series: &[[f64; L]], out: &mut [Vec<f64>]) {
+        let masked: Vec<[f64; L]> = series.iter().zip(&self.mask).map(|(x, m)| x.map(|x| x * m)).collect();
+        let filtered = self.filter.apply_lanes(&masked);
         let share = 1.0 / self.stride as f64;
         for (samples, mask) in filtered.chunks_exact(self.stride).zip(self.mask.chunks_exact(self.stride)) {
             let mut sum = [0.0; L];
@@ -311,7 +345,7 @@ impl Track {
         let n = self.len();
         let by = |forward: bool, viscous: bool| -> Vec<f64> {
             let want = if forward { 1.0 } else { -1.0 };
-            let raw: Vec<f64> = (0..n)
+            (0..n)
                 .map(|i| {
                     if self.sign[i] != want {
                         0.0
@@ -321,8 +355,7 @@ impl Track {
                         want
                     }
                 })
-                .collect();
-            self.filter.apply(&raw)
+                .collect()
         };
         [self.a.clone(), by(true, false), by(false, false), by(true, true), by(false, true)]
     }
@@ -358,11 +391,8 @@ pub fn dominant_frequency(channels: &Channels) -> f64 {
     let n = channels.position.len();
     // A coarse derivative: over a hundredth of the record at most, so that noise does not count as motion.
     let step = (n / 400).max(1);
-    let coarse: Vec<f64> = channels
-        .position
-        .chunks(step)
-        .map(|c| c.iter().sum::<f64>() / c.len() as f64)
-        .collect();
+    let coarse: Vec<f64> =
+        channels.position.chunks(step).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
     let velocity = derivative(&coarse, step as f64 * channels.dt);
     let size = deviation(&coarse);
     if size > 0.0 { rms(&velocity) / (2.0 * PI * size) } else { 0.0 }
@@ -378,7 +408,8 @@ fn rough_mass(channels: &Channels, cutoff: f64) -> f64 {
     let x = filter.apply(&channels.position);
     let v = derivative(&x, channels.dt);
     let a = derivative(&v, channels.dt);
-    let sign: Vec<f64> = filter.apply(&v.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect::<Vec<_>>());
+    let sign: Vec<f64> =
+        filter.apply(&v.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect::<Vec<_>>());
     let f = filter.apply(&channels.force);
     let basis = crate::linear::Basis::of(&[&v[..], &sign[..], &vec![1.0; v.len()][..]]);
     let (a, f) = (basis.project_out(&a), basis.project_out(&f));

@@ -20,7 +20,8 @@ pub fn find(search: &Search, found: &Hypothesis, left: &Located, start: f64) -> 
     let region = left.regions.iter().find(|r| r.p <= LEVEL)?;
     let (name, unit, values, edges) = left.tables.iter().find(|t| t.0 == region.coordinate)?;
     let base = Hypothesis::columns(stage, &found.atoms);
-    let directed = ["low_speed", "distance_since_reversal", "time_since_reversal", "time"].contains(&name.as_str());
+    let directed =
+        ["low_speed", "distance_since_reversal", "time_since_reversal", "time"].contains(&name.as_str());
     let sign = stage.rows(|t| t.sign.clone());
     let mut steps = vec![vec![0.0; stage.y.len()]; STEPS];
     let per = edges.len().saturating_sub(1).div_ceil(STEPS).max(1);
@@ -47,17 +48,21 @@ pub fn find(search: &Search, found: &Hypothesis, left: &Located, start: f64) -> 
         return None;
     }
     let described = fit(&columns, &stage.y, &stage.blocks, FOLDS)?;
-    let interval = gain_interval(&found.fit.heldout, &described.heldout, &stage.block_weight(), 2000, search.seed);
+    let interval =
+        gain_interval(&found.fit.heldout, &described.heldout, &stage.block_weight(), 2000, search.seed);
     let gained = found.fit.heldout_sum() - described.heldout_sum();
-    if interval[0] <= 0.0 || gained < 0.05 * (start - search.floor).max(0.02 * start) {
+    if interval[0] <= 0.0 || gained < (0.05 * (start - search.floor)).max(search.systematic) {
         return None;
     }
     let rows: f64 = stage.block_weight().iter().sum();
     let force = if unit.contains("rad") { "N·m" } else { "N" };
     let parameters: BTreeMap<String, Quantity> = (base.len()..columns.len())
         .map(|c| {
-            let quantity =
-                Quantity { value: described.coefficients[c], std: described.deviations[c], unit: force.into() };
+            let quantity = Quantity {
+                value: described.coefficients[c],
+                std: described.deviations[c],
+                unit: force.into(),
+            };
             (format!("step_{}", c - base.len() + 1), quantity)
         })
         .collect();
@@ -76,6 +81,9 @@ pub fn find(search: &Search, found: &Hypothesis, left: &Located, start: f64) -> 
         gain_ci95: interval,
         p: region.p,
         indistinguishable_from: Vec::new(),
-        experiment: format!("repeat the move at another amplitude and another frequency: does it stay at the same {}?", name.replace('_', " ")),
+        experiment: format!(
+            "repeat the move at another amplitude and another frequency: does it stay at the same {}?",
+            name.replace('_', " ")
+        ),
     })
 }

@@ -20,7 +20,8 @@ pub fn summary(d: &Diagnosis) -> String {
                 [one] => one.clone(),
                 [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
             };
-            let first = d.missing.first().map_or_else(String::new, |m| format!(": {}", m.says.trim_end_matches('.')));
+            let first =
+                d.missing.first().map_or_else(String::new, |m| format!(": {}", m.says.trim_end_matches('.')));
             let place = d.location.first().map_or_else(String::new, |l| {
                 format!(
                     "; most of it shows over {} from {} to {} {}",

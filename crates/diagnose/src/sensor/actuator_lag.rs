@@ -10,7 +10,13 @@ pub const SENSOR: Sensor = Sensor {
     id: "actuator_lag",
     says: "the actuator follows its command through a lag",
     equation: "F = F_model + g·(1 − 1/(T·s + 1))·F_model",
-    gains: &[Parameter { name: "share", unit: "1", min: -2.0, max: 2.0, what: "share of the force that lags; 1 for a recorded command" }],
+    gains: &[Parameter {
+        name: "share",
+        unit: "1",
+        min: -2.0,
+        max: 2.0,
+        what: "share of the force that lags; 1 for a recorded command",
+    }],
     shape: &[Parameter { name: "lag", unit: "s", min: 1e-5, max: 0.5, what: "time constant T" }],
     columns,
 };

@@ -10,7 +10,13 @@ pub const SENSOR: Sensor = Sensor {
     id: "compliance",
     says: "drive and load are two masses with a spring between them",
     equation: "F = (m₁ + m₂)·a + (m₁·m₂/k)·d²a/dt²",
-    gains: &[Parameter { name: "snap", unit: "N·s⁴/m", min: -1e6, max: 1e6, what: "m₁·m₂/k; negative for an encoder on the drive side" }],
+    gains: &[Parameter {
+        name: "snap",
+        unit: "N·s⁴/m",
+        min: -1e6,
+        max: 1e6,
+        what: "m₁·m₂/k; negative for an encoder on the drive side",
+    }],
     shape: &[],
     columns,
 };

@@ -10,7 +10,13 @@ pub const SENSOR: Sensor = Sensor {
     id: "force_gain_asymmetry",
     says: "the force channel has another gain for one sign of the force",
     equation: "F = F_model + g·max(F_model, 0)",
-    gains: &[Parameter { name: "gain", unit: "1", min: -1.0, max: 1.0, what: "extra gain for positive force" }],
+    gains: &[Parameter {
+        name: "gain",
+        unit: "1",
+        min: -1.0,
+        max: 1.0,
+        what: "extra gain for positive force",
+    }],
     shape: &[],
     columns,
 };

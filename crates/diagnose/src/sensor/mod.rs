@@ -26,7 +26,7 @@ pub struct Sensor {
     pub gains: &'static [Parameter],
     /// Parameters the columns depend on non-linearly.
     pub shape: &'static [Parameter],
-    /// The columns, already behind the filter.
+    /// The columns, at every sample, in front of the filter.
     pub columns: fn(&Track, &[f64; 2]) -> Vec<Vec<f64>>,
 }
 

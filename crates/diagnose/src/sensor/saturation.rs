@@ -10,17 +10,17 @@ pub const SENSOR: Sensor = Sensor {
     id: "saturation",
     says: "the force stops growing at a limit that the recording does not show",
     equation: "F = F_model − g·(|F_model| − F_max)₊·sgn F",
-    gains: &[Parameter { name: "share", unit: "1", min: -2.0, max: 2.0, what: "minus the share of the excess that is cut; −1 is a hard limit" }],
+    gains: &[Parameter {
+        name: "share",
+        unit: "1",
+        min: -2.0,
+        max: 2.0,
+        what: "minus the share of the excess that is cut; −1 is a hard limit",
+    }],
     shape: &[Parameter { name: "limit", unit: "N", min: 1e-9, max: 1e9, what: "F_max" }],
     columns,
 };
 
 fn columns(track: &Track, shape: &[f64; 2]) -> Vec<Vec<f64>> {
-    vec![
-        track
-            .force_model
-            .iter()
-            .map(|f| (f.abs() - shape[0]).max(0.0) * f.signum())
-            .collect(),
-    ]
+    vec![track.force_model.iter().map(|f| (f.abs() - shape[0]).max(0.0) * f.signum()).collect()]
 }

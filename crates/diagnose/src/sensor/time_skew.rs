@@ -12,7 +12,13 @@ pub const SENSOR: Sensor = Sensor {
     id: "time_skew",
     says: "the force was recorded at another moment than the position",
     equation: "F(t) = F_model(t − τ) ≈ F_model − τ·dF/dt",
-    gains: &[Parameter { name: "tau", unit: "s", min: -1.0, max: 1.0, what: "delay of the force behind the position; negative when the position is late" }],
+    gains: &[Parameter {
+        name: "tau",
+        unit: "s",
+        min: -1.0,
+        max: 1.0,
+        what: "delay of the force behind the position; negative when the position is late",
+    }],
     shape: &[],
     columns,
 };

@@ -10,13 +10,18 @@ pub const SENSOR: Sensor = Sensor {
     id: "velocity_lag",
     says: "the velocity channel lags, so friction seems to reverse late",
     equation: "s·C with s = sgn v(t − T) instead of sgn v(t)",
-    gains: &[Parameter { name: "force", unit: "N", min: -1e6, max: 1e6, what: "Coulomb level seen through the lag" }],
+    gains: &[Parameter {
+        name: "force",
+        unit: "N",
+        min: -1e6,
+        max: 1e6,
+        what: "Coulomb level seen through the lag",
+    }],
     shape: &[Parameter { name: "lag", unit: "s", min: 1e-4, max: 0.2, what: "lag of the velocity" }],
     columns,
 };
 
 fn columns(track: &Track, shape: &[f64; 2]) -> Vec<Vec<f64>> {
     let late = super::delayed(&track.sign, shape[0], track.raw.dt);
-    let gap: Vec<f64> = late.iter().zip(&track.sign).map(|(l, s)| l - s).collect();
-    vec![track.filter.apply(&gap)]
+    vec![late.iter().zip(&track.sign).map(|(l, s)| l - s).collect()]
 }

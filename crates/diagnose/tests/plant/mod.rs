@@ -12,20 +12,52 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hidden {
     Nothing,
-    Stribeck { size: f64, speed: f64 },
-    Sublinear { size: f64, speed: f64 },
-    Quadratic { size: f64 },
-    Spring { size: f64 },
-    Cubic { size: f64 },
-    Cogging { size: f64, wavelength: f64 },
-    PeriodicFriction { size: f64, wavelength: f64 },
-    PositionFriction { size: f64 },
-    LoadShare { size: f64 },
-    Drift { size: f64, settle: f64 },
-    Stop { size: f64 },
-    Bristles { size: f64, reach: f64 },
+    Stribeck {
+        size: f64,
+        speed: f64,
+    },
+    Sublinear {
+        size: f64,
+        speed: f64,
+    },
+    Quadratic {
+        size: f64,
+    },
+    Spring {
+        size: f64,
+    },
+    Cubic {
+        size: f64,
+    },
+    Cogging {
+        size: f64,
+        wavelength: f64,
+    },
+    PeriodicFriction {
+        size: f64,
+        wavelength: f64,
+    },
+    PositionFriction {
+        size: f64,
+    },
+    LoadShare {
+        size: f64,
+    },
+    Drift {
+        size: f64,
+        settle: f64,
+    },
+    Stop {
+        size: f64,
+    },
+    Bristles {
+        size: f64,
+        reach: f64,
+    },
     /// `size` in seconds.
-    Skew { size: f64 },
+    Skew {
+        size: f64,
+    },
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +105,10 @@ fn target(motion: Motion, t: f64) -> f64 {
     match motion {
         Motion::Sine => STROKE * (TAU * 2.0 * t).sin(),
         Motion::Multisine => {
-            STROKE * (0.55 * (TAU * 1.0 * t).sin() + 0.3 * (TAU * 2.3 * t + 1.0).sin() + 0.25 * (TAU * 4.7 * t + 2.0).sin())
+            STROKE
+                * (0.55 * (TAU * 1.0 * t).sin()
+                    + 0.3 * (TAU * 2.3 * t + 1.0).sin()
+                    + 0.25 * (TAU * 4.7 * t + 2.0).sin())
         }
         Motion::Triangle => {
             let phase = (1.0 * t).fract();
@@ -122,7 +157,9 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
     for hidden in &case.hidden {
         if let Hidden::Bristles { size, reach } = *hidden {
             bristle_size = size;
-            bristles = (0..30).map(|i| Bristle { reach: reach * 2.0 * (f64::from(i) + 0.5) / 30.0, bend: 0.0 }).collect();
+            bristles = (0..30)
+                .map(|i| Bristle { reach: reach * 2.0 * (f64::from(i) + 0.5) / 30.0, bend: 0.0 })
+                .collect();
         }
     }
     let mut skew = 0.0;
@@ -139,11 +176,15 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
     for tick in 0..ticks {
         for k in 0..sub {
             let t = tick as f64 * 1e-3 + f64::from(k) * h;
-            let applied = 6000.0 * (target(case.motion, t) - x) + 60.0 * ((target(case.motion, t + 5e-4) - target(case.motion, t - 5e-4)) / 1e-3 - v);
+            let applied = 6000.0 * (target(case.motion, t) - x)
+                + 60.0 * ((target(case.motion, t + 5e-4) - target(case.motion, t - 5e-4)) / 1e-3 - v);
             let (positive, negative) = case.coulomb;
             let s_motion = if stuck { applied.signum() } else { v.signum() };
-            let extra: f64 = case.hidden.iter().map(|e| hidden_force(e, x, v, s_motion, t - warm_up, applied)).sum();
-            let bristle_force: f64 = bristles.iter().map(|b| b.bend / b.reach).sum::<f64>() / bristles.len().max(1) as f64 * bristle_size;
+            let extra: f64 =
+                case.hidden.iter().map(|e| hidden_force(e, x, v, s_motion, t - warm_up, applied)).sum();
+            let bristle_force: f64 = bristles.iter().map(|b| b.bend / b.reach).sum::<f64>()
+                / bristles.len().max(1) as f64
+                * bristle_size;
             let level = if s_motion > 0.0 { positive } else { negative };
             let drag = if v > 0.0 { case.viscous.0 * v } else { case.viscous.1 * v };
             let friction;
@@ -152,7 +193,10 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
                 let odd: f64 = case
                     .hidden
                     .iter()
-                    .map(|e| 0.5 * (hidden_force(e, x, 0.0, s_motion, t - warm_up, applied) - hidden_force(e, x, 0.0, -s_motion, t - warm_up, applied)))
+                    .map(|e| {
+                        0.5 * (hidden_force(e, x, 0.0, s_motion, t - warm_up, applied)
+                            - hidden_force(e, x, 0.0, -s_motion, t - warm_up, applied))
+                    })
                     .sum();
                 let even = extra - odd;
                 let load = applied - even - bristle_force;
@@ -206,7 +250,11 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
         let force = series[low] * (1.0 - share) + series[low + 1] * share;
         recording.time.push((times[i] - warm_up).max(0.0));
         let noisy = positions[i] + position_noise.sample(&mut random);
-        recording.position.push(if case.quantum > 0.0 { (noisy / case.quantum).round() * case.quantum } else { noisy });
+        recording.position.push(if case.quantum > 0.0 {
+            (noisy / case.quantum).round() * case.quantum
+        } else {
+            noisy
+        });
         recording.force.push(force + force_noise.sample(&mut random));
     }
     let truth = truth[first..times.len() - 10].to_vec();
