@@ -186,7 +186,8 @@ impl Run<'_> {
         let plant = self.plant(&found);
         let run = free_run::run(stage, &plant, bench.frequency);
         let rejected = rejected(&search, &found, &equivalent, unit);
-        let bound = detectable(&rejected);
+        // what is smaller is not named even where it is seen
+        let bound = detectable(&rejected).max(to_rms(search.systematic));
         let (time, (position, velocity)) = (row_times(stage), row_motion(stage));
         let unweighted =
             |series: &[f64]| -> Vec<f64> { series.iter().zip(&stage.weight).map(|(x, w)| x / w).collect() };
@@ -281,6 +282,10 @@ impl Run<'_> {
                 let unit = if self.intake.rotary { rotary } else { linear };
                 (name.to_string(), Quantity { value: *value, std: *std, unit: unit.to_string() })
             })
+            .chain(self.intake.delta_v.map(|(value, std)| {
+                let unit = if self.intake.rotary { "rad/s" } else { "m/s" };
+                ("delta_v".to_string(), Quantity { value, std, unit: unit.into() })
+            }))
             .collect()
     }
 

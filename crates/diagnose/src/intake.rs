@@ -3,7 +3,9 @@
 use crate::options::Error;
 use crate::signal::{LowPass, derivative};
 use crate::track::{Channels, dominant_frequency};
-use identify::{Geometry, Recording, RecordingFault, audit};
+use identify::{
+    Geometry, KarnoppOptions, Preprocess, Recording, RecordingFault, audit, identify_karnopp, prepare,
+};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -16,6 +18,8 @@ pub struct Intake {
     pub names: Vec<String>,
     /// Axes rather than slides.
     pub rotary: bool,
+    /// Δv of the baseline with its standard deviation, of the first recording that shows one.
+    pub delta_v: Option<(f64, f64)>,
 }
 
 /// Shortest stretch worth keeping, samples.
@@ -25,7 +29,8 @@ const SHORTEST: usize = 64;
 pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
     let first = recordings.first().ok_or(Error::NoRecording)?;
     let rotary = first.geometry == Geometry::Rotary;
-    let mut intake = Intake { stretches: Vec::new(), faults: Vec::new(), names: Vec::new(), rotary };
+    let mut intake =
+        Intake { stretches: Vec::new(), faults: Vec::new(), names: Vec::new(), rotary, delta_v: None };
     for (index, recording) in recordings.iter().enumerate() {
         if recording.geometry != first.geometry {
             return Err(Error::MixedGeometry { name: recording.name.clone() });
@@ -33,12 +38,25 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         check_lengths(recording)?;
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
+        let delta_v = static_branch(recording);
+        intake.delta_v = intake.delta_v.or(delta_v);
         for mut stretch in cut(recording, index) {
+            // two deviations beyond, so that what is left is sliding
+            stretch.static_band = delta_v.map_or(0.0, |(value, std)| value + 2.0 * std);
             keep_trustworthy(&mut stretch);
             intake.stretches.push(stretch);
         }
     }
     Ok(intake)
+}
+
+/// Δv and its standard deviation, where the recording resolves the step from the static to the sliding branch. That
+/// takes velocity and acceleration channels: a filter blurs the step.
+fn static_branch(recording: &Recording) -> Option<(f64, f64)> {
+    let signals = prepare(recording, &Preprocess::Thesis).ok()?;
+    let found = identify_karnopp(&signals, &KarnoppOptions::default()).ok()?;
+    let delta_v = found.parameters.get("delta_v")?;
+    (delta_v.value > 0.0 && delta_v.std.is_finite()).then_some((delta_v.value, delta_v.std))
 }
 
 fn check_lengths(r: &Recording) -> Result<(), Error> {
@@ -129,6 +147,7 @@ fn uniform(r: &Recording, recording: usize, from: usize, to: usize) -> Channels 
         acceleration: r.acceleration.as_deref().map(grid),
         force: grid(&r.force),
         normal: r.normal_force.as_deref().map(grid),
+        static_band: 0.0,
         reference: r.reference.as_deref().filter(|s| s.iter().all(|x| x.is_finite())).map(grid),
     }
 }

@@ -33,6 +33,9 @@ pub struct Channels {
     pub force: Vec<f64>,
     /// Normal load.
     pub normal: Option<Vec<f64>>,
+    /// Δv of the baseline: speeds below it belong to its static branch, whose force is whatever balances. 0 where the
+    /// recording shows no such band.
+    pub static_band: f64,
     /// What the motion was asked to be, for finding its period.
     pub reference: Option<Vec<f64>>,
 }
@@ -197,7 +200,7 @@ impl Track {
     /// Velocity below which the direction is not known.
     pub fn guard(&self) -> f64 {
         let fast = quantile(&self.v.iter().map(|v| v.abs()).collect::<Vec<_>>(), 0.95);
-        (3.0 * self.noise.velocity).max(0.003 * fast)
+        (3.0 * self.noise.velocity).max(0.003 * fast).max(self.raw.static_band)
     }
 
     /// `sharper` is the cut-off behind which the velocity was taken, Hz.
@@ -237,8 +240,8 @@ impl Track {
             for j in start..i {
                 self.sign[j] = if j < change { direction } else { after };
             }
-            // A reversal, or a rest. A moment's error at a reversal is twice the Coulomb force for that moment.
-            if after != direction || stays > (3.0 * dt).max(2.0 * expected) {
+            // A reversal, a rest, or the static branch. A moment's error at a reversal is twice the Coulomb force for that moment.
+            if after != direction || self.raw.static_band > 0.0 || stays > (3.0 * dt).max(2.0 * expected) {
                 unknown.push((start.saturating_sub(ring), (i + ring).min(n)));
             }
             direction = after;

@@ -22,7 +22,9 @@ const DOUBLE_CLASS: u32 = 6;
 /// Names the file when it cannot be written, or is longer than the format can say (2 GB a variable).
 pub(crate) fn write(path: &Path, recording: &Recording) -> Result<()> {
     if recording.len() > (i32::MAX as usize) / 8 - 64 {
-        return Err(Failure::in_file(path, "too long for a MATLAB v5 file").help("accepted are .csv and .mcap"));
+        return Err(
+            Failure::in_file(path, "too long for a MATLAB v5 file").help("accepted are .csv and .mcap")
+        );
     }
     let about = format!(
         "MATLAB 5.0 MAT-file, written by tribos {}, {}, SI units",

@@ -23,7 +23,8 @@ pub(crate) fn read(path: &Path, mapping: &Mapping) -> Result<Recording> {
 /// The map, with `time_s=t` where it says nothing of time: the one name nearly every MATLAB file gives to it. A file
 /// without a `t` is then refused by that name.
 fn with_time(path: &Path, map: &str) -> String {
-    let says = map.split(',').any(|entry| entry.split('=').next().is_some_and(|name| name.trim() == "time_s"));
+    let says =
+        map.split(',').any(|entry| entry.split('=').next().is_some_and(|name| name.trim() == "time_s"));
     let matlab = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mat"));
     if says || !matlab || map.trim().is_empty() { map.to_owned() } else { format!("{map},time_s=t") }
 }

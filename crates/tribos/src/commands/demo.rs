@@ -51,7 +51,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     feel("brass", args.seed)?;
 
     println!("\n2  A real block on brass, driven and recorded");
-    println!("   Now a block really slides. Something may have been concealed in the rig: you are told at the end.\n");
+    println!(
+        "   Now a block really slides. Something may have been concealed in the rig: you are told at the end.\n"
+    );
     let effects: Vec<Effect<f64>> = effect.into_iter().collect();
     let recording = slide(args.seed, &effects, &file("recording.csv"))?;
 
@@ -64,7 +66,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     files::write(&file("identification.json"), text.as_bytes())?;
 
     println!("\n4  What that model leaves out");
-    println!("   Every effect of a catalogue competes to explain what is left, judged on data it was not fitted to.\n");
+    println!(
+        "   Every effect of a catalogue competes to explain what is left, judged on data it was not fitted to.\n"
+    );
     let found = {
         let bar = Progress::new("diagnosing");
         let progress = |share: f32, what: &str| bar.set(share, what);
@@ -93,7 +97,10 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         push(&model, args.seed)?;
     }
     println!("\nThe report: {}", file("report.html").display());
-    println!("Beside it: recording.csv, identification.json, diagnosis.json{}.", if found.model.is_some() { ", model.toml" } else { "" });
+    println!(
+        "Beside it: recording.csv, identification.json, diagnosis.json{}.",
+        if found.model.is_some() { ", model.toml" } else { "" }
+    );
     println!("Your own device: cargo tribos record PORT --move \"{MOTION}\" --out mine.csv");
     println!("                 cargo tribos diagnose mine.csv --report mine.html");
     Ok(Outcome::Done)
