@@ -47,10 +47,10 @@ fn listen(
     while begun.elapsed() < Duration::from_secs(120) {
         let Ok(count) = port.read(&mut chunk) else { continue };
         for byte in &chunk[..count] {
-            if let Some(item) = decoder.push(*byte) {
-                if each(port, &item) {
-                    return;
-                }
+            if let Some(item) = decoder.push(*byte)
+                && each(port, &item)
+            {
+                return;
             }
         }
     }

@@ -31,22 +31,23 @@ impl ControlLoop {
                 outputs
             }
         };
-        if outputs.identified {
-            if let Some(sums) = self.control.state().sums() {
-                let _ = ends.report.enqueue(Report::Identified(*sums));
-            }
+        if outputs.identified
+            && let Some(sums) = self.control.state().sums()
+        {
+            let _ = ends.report.enqueue(Report::Identified(*sums));
         }
-        if outputs.mode == ModeId::Fault && self.mode != ModeId::Fault {
-            if let Some(fault) = self.control.state().fault() {
-                let _ = ends.report.enqueue(Report::Fault(FaultReport {
-                    kind: fault.kind,
-                    step: self.step,
-                    during: self.mode,
-                    position: fault.position,
-                    velocity: fault.velocity,
-                    force: fault.force,
-                }));
-            }
+        if outputs.mode == ModeId::Fault
+            && self.mode != ModeId::Fault
+            && let Some(fault) = self.control.state().fault()
+        {
+            let _ = ends.report.enqueue(Report::Fault(FaultReport {
+                kind: fault.kind,
+                step: self.step,
+                during: self.mode,
+                position: fault.position,
+                velocity: fault.velocity,
+                force: fault.force,
+            }));
         }
         self.mode = outputs.mode;
         let _ = ends.tell.enqueue(Telemetry { step: self.step, inputs: *inputs, outputs });

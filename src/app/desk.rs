@@ -231,19 +231,19 @@ impl Desk {
         if let Some(stream) = &mut self.stream {
             stream.take(telemetry, &self.device, &mut self.output);
         }
-        if let Some(test) = &mut self.selftest {
-            if test.take(telemetry, &self.device) {
-                let checks = test.checks(&self.device);
-                self.selftest = None;
-                let failed = checks.iter().filter(|check| !check.passed).count();
-                let mut line = Line::new();
-                let _ = match failed {
-                    0 => write!(line, "ok selftest passed, {} lines:", checks.len()),
-                    _ => write!(line, "err SELFTEST: {failed} checks failed, {} lines:", checks.len()),
-                };
-                self.say(&line);
-                self.listing = Some((Listing::Checks(checks), 0));
-            }
+        if let Some(test) = &mut self.selftest
+            && test.take(telemetry, &self.device)
+        {
+            let checks = test.checks(&self.device);
+            self.selftest = None;
+            let failed = checks.iter().filter(|check| !check.passed).count();
+            let mut line = Line::new();
+            let _ = match failed {
+                0 => write!(line, "ok selftest passed, {} lines:", checks.len()),
+                _ => write!(line, "err SELFTEST: {failed} checks failed, {} lines:", checks.len()),
+            };
+            self.say(&line);
+            self.listing = Some((Listing::Checks(checks), 0));
         }
     }
 

@@ -38,7 +38,7 @@ impl Stream {
         }
         let start = *self.start.get_or_insert(telemetry.step);
         let since = telemetry.step.wrapping_sub(start);
-        if since % self.decimation != 0 {
+        if !since.is_multiple_of(self.decimation) {
             return;
         }
         let seq = 1 + since / self.decimation;

@@ -171,6 +171,7 @@ fn signs(stage: &Stage, coordinate: &Coordinate) -> Vec<f64> {
 
 /// Finds the regions of `residual`; `columns` are what was fitted, `noise` the residual taken as noise, and
 /// `after` the residual of the final model for the curves.
+#[allow(clippy::too_many_arguments)] // residuals of three kinds; a struct would name them once more
 pub fn locate(
     stage: &Stage,
     columns: &[&[f64]],

@@ -179,10 +179,10 @@ mod tests {
             let wave: Vec<f64> = (0..4000).map(|i| (2.0 * PI * hz * i as f64 * dt).sin()).collect();
             let out = filter.apply(&wave);
             let (mut same, mut quarter, mut power) = (0.0, 0.0, 0.0);
-            for i in 1000..3000 {
+            for (i, x) in out.iter().enumerate().take(3000).skip(1000) {
                 let phase = 2.0 * PI * hz * i as f64 * dt;
-                same += out[i] * phase.sin();
-                quarter += out[i] * phase.cos();
+                same += x * phase.sin();
+                quarter += x * phase.cos();
                 power += phase.sin().powi(2);
             }
             let (gain, lag) = (same / power, quarter / power);

@@ -254,17 +254,15 @@ impl Track {
     /// Lets the mask rise over `width` samples beside every gap. An edge of the acceleration is smeared by the sharper
     /// filter; cut through by a hard mask it would not cancel.
     fn soften(&mut self, width: usize) {
-        let n = self.mask.len();
-        let mut nearest = vec![usize::MAX; n];
+        let run = |since: &mut usize, mask: f64| {
+            *since = if mask == 0.0 { 0 } else { since.saturating_add(1) };
+            *since
+        };
         let mut since = usize::MAX;
-        for i in 0..n {
-            since = if self.mask[i] == 0.0 { 0 } else { since.saturating_add(1) };
-            nearest[i] = since;
-        }
+        let mut nearest: Vec<usize> = self.mask.iter().map(|m| run(&mut since, *m)).collect();
         since = usize::MAX;
-        for i in (0..n).rev() {
-            since = if self.mask[i] == 0.0 { 0 } else { since.saturating_add(1) };
-            nearest[i] = nearest[i].min(since);
+        for (near, m) in nearest.iter_mut().zip(&self.mask).rev() {
+            *near = (*near).min(run(&mut since, *m));
         }
         for (m, near) in self.mask.iter_mut().zip(nearest) {
             if near <= width {

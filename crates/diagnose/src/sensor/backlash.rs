@@ -24,14 +24,14 @@ pub const SENSOR: Sensor = Sensor {
 fn columns(track: &Track, shape: &[f64; 2]) -> Vec<Vec<f64>> {
     let mut travelled = f64::INFINITY;
     let mut lost = vec![0.0; track.len()];
-    for i in 1..track.len() {
+    for (i, lost) in lost.iter_mut().enumerate().skip(1) {
         if track.force_model[i] * track.force_model[i - 1] < 0.0 {
             travelled = 0.0;
         } else {
             travelled += (track.x[i] - track.x[i - 1]).abs();
         }
         if travelled < shape[0] {
-            lost[i] = track.a[i];
+            *lost = track.a[i];
         }
     }
     vec![lost]
