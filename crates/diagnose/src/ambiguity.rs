@@ -4,11 +4,8 @@ use crate::experiment::Bench;
 use crate::flips::block_scores;
 use crate::linear::{Basis, dot};
 use crate::result::{Blind, Rejected};
-use crate::search::{Atom, Hypothesis, Search, is_testable};
+use crate::search::{Atom, COLLINEAR, Hypothesis, Search, is_testable};
 use crate::term::{Stage, TermKind};
-
-/// Cosine above which two explanations count as one on this recording.
-const COLLINEAR: f64 = 0.95;
 
 /// Effects no motion can separate from another, with that other and the reason.
 const NEVER: &[(&str, &str, &str)] = &[
@@ -22,13 +19,7 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<String>
     let mut others = found.atoms.clone();
     let named = others.remove(i);
     let basis = Basis::of(&Hypothesis::columns(stage, &others));
-    let mut contribution = vec![0.0; stage.y.len()];
-    for (c, column) in found.coefficients(stage, i).iter().zip(&named.columns) {
-        for (s, x) in contribution.iter_mut().zip(column) {
-            *s += c * x;
-        }
-    }
-    let contribution = basis.project_out(&contribution);
+    let contribution = search.contribution(found, i, &basis);
     let size = dot(&contribution, &contribution);
     let mut out = Vec::new();
     let without = Hypothesis::new(stage, others.clone());
@@ -54,7 +45,7 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<String>
         let mut atoms = others.clone();
         atoms.push(atom.clone());
         let Some(rival) = Hypothesis::new(stage, atoms).map(|h| search.refine(h)) else { continue };
-        let Some(theirs) = rival.atoms.last() else { continue };
+        let Some(theirs) = rival.atoms.last().filter(|_| search.physical(&rival)) else { continue };
         let rest: Vec<Vec<f64>> = theirs.columns.iter().map(|c| basis.project_out(c)).collect();
         if Basis::of(&rest).captured(&contribution) < COLLINEAR * COLLINEAR * size {
             continue;

@@ -13,6 +13,8 @@ pub const FOLDS: usize = 10;
 pub const FLIPS: usize = 999;
 /// Family-wise level of a step.
 pub const LEVEL: f64 = 0.01;
+/// Cosine above which two explanations count as one on a recording.
+pub const COLLINEAR: f64 = 0.95;
 /// Smallest share of the mismatch above the floor for which a term is worth naming.
 const MATERIAL: f64 = 0.01;
 
@@ -223,7 +225,71 @@ impl Search<'_> {
             best = found.clone();
             beam = kept;
         }
+        let best = self.simplify(best);
         Some(self.prune(best, start))
+    }
+
+    /// Replaces each term by the simplest one that explains this recording as well: a spring rather than friction
+    /// that depends on position with opposite slopes for the two directions.
+    fn simplify(&self, mut best: Hypothesis) -> Hypothesis {
+        let size = |a: &Atom| a.columns.len() + a.term.kind.shape().len();
+        for i in 0..best.atoms.len() {
+            let mut others = best.atoms.clone();
+            let named = others.remove(i);
+            let basis = Basis::of(&Hypothesis::columns(self.stage, &others));
+            let own = self.contribution(&best, i, &basis);
+            let kept = |a: &Atom| -> f64 {
+                let rest: Vec<Vec<f64>> = a.columns.iter().map(|c| basis.project_out(c)).collect();
+                Basis::of(&rest).captured(&own)
+            };
+            let power = dot(&own, &own);
+            // A grid point is not the best shape yet: let in a little less and refine.
+            let mut simpler: Vec<(usize, f64, &Atom)> = self
+                .catalogue
+                .testable()
+                .into_iter()
+                .filter(|a| !best.has(a.term.kind) && size(a) < size(&named))
+                .map(|a| (size(a), kept(a), a))
+                .filter(|(_, kept, _)| *kept >= 0.8 * power)
+                .collect();
+            simpler.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+            let mut tried: Vec<TermKind> = Vec::new();
+            for (_, _, atom) in simpler {
+                if tried.contains(&atom.term.kind) {
+                    continue;
+                }
+                tried.push(atom.term.kind);
+                let mut atoms = others.clone();
+                atoms.insert(i, atom.clone());
+                let Some(rival) = Hypothesis::new(self.stage, atoms).map(|h| self.refine(h)) else {
+                    continue;
+                };
+                let as_good = kept(&rival.atoms[i]) >= COLLINEAR * COLLINEAR * power
+                    && self.interval(&rival, &best)[0] <= 0.0
+                    && self.physical(&rival);
+                if as_good {
+                    best = rival;
+                    break;
+                }
+            }
+        }
+        best
+    }
+
+    /// What term `i` adds to the prediction, outside the span of `basis`.
+    pub fn contribution(&self, h: &Hypothesis, i: usize, basis: &Basis) -> Vec<f64> {
+        let mut sum = vec![0.0; self.stage.y.len()];
+        for (c, column) in h.coefficients(self.stage, i).iter().zip(&h.atoms[i].columns) {
+            for (s, x) in sum.iter_mut().zip(column) {
+                *s += c * x;
+            }
+        }
+        basis.project_out(&sum)
+    }
+
+    /// Whether every gain lies in the range its effect accepts.
+    pub fn physical(&self, h: &Hypothesis) -> bool {
+        (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.stage, i)))
     }
 
     /// Residual of `parent` against every testable column, noise taken from `child`.
@@ -378,7 +444,7 @@ impl Search<'_> {
                 let atoms = from.atoms.iter().cloned().chain(new).collect();
                 Hypothesis::new(self.stage, atoms)
             })
-            .filter(|h| (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.stage, i))))
+            .filter(|h| self.physical(h))
             .collect()
     }
 
@@ -405,6 +471,7 @@ impl Search<'_> {
                     atoms.insert(i, improved);
                     if let Some(h) = Hypothesis::new(self.stage, atoms)
                         && dot(&h.fit.residual, &h.fit.residual) < dot(&best.fit.residual, &best.fit.residual)
+                        && (self.physical(&h) || !self.physical(&best))
                     {
                         best = h;
                     }

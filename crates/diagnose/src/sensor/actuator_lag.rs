@@ -13,9 +13,9 @@ pub const SENSOR: Sensor = Sensor {
     gains: &[Parameter {
         name: "share",
         unit: "1",
-        min: -2.0,
+        min: -1.1,
         max: 2.0,
-        what: "share of the force that lags; 1 for a recorded command",
+        what: "share of the force that lags; 1 for a recorded command, -1 for a force channel that lags itself",
     }],
     shape: &[Parameter { name: "lag", unit: "s", min: 1e-5, max: 0.5, what: "time constant T" }],
     columns,
