@@ -15,6 +15,7 @@ use crate::result::{
 };
 use crate::search::{Atom, Catalogue, FOLDS, Hypothesis, Search};
 use crate::signal::derivative;
+use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
 use crate::track::{Channels, Noise, Track, choose_cutoff, dominant_frequency};
 use identify::Recording;
@@ -45,7 +46,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Error> {
     options.validate()?;
     progress(0.0, "audit");
-    let intake = take(train)?;
+    let mut intake = take(train)?;
     let judged = if validate.is_empty() { None } else { Some(take(validate)?) };
     let unit = if intake.rotary { "N·m" } else { "N" };
     if intake.stretches.is_empty() {
@@ -57,6 +58,9 @@ pub fn diagnose(
     }
     let cutoff = options.cutoff_hz.unwrap_or_else(|| choose_cutoff(&intake.stretches));
     progress(0.05, "filter and baseline");
+    if let Some(first) = Stage::new(&intake.stretches, cutoff, false) {
+        intake.static_branch(static_branch::delta_v(&first.tracks));
+    }
     let Some(stage) = with_nuisances(&intake.stretches, cutoff) else {
         return Ok(untestable(
             intake,
@@ -78,6 +82,10 @@ pub fn diagnose(
             "mass and friction cannot be told apart on this motion: accelerate more",
         ));
     };
+    let judged = judged.map(|mut j| {
+        j.static_branch(intake.delta_v);
+        j
+    });
     let run = Run { intake, stage, baseline, cutoff, options, unit };
     Ok(run.diagnose(judged, progress))
 }
@@ -265,6 +273,9 @@ impl Run<'_> {
     /// Effects that need a channel the recordings do not have.
     fn unavailable(&self) -> Vec<(&'static str, String)> {
         let mut out = Vec::new();
+        if !self.intake.rotary {
+            out.push(("gravity", "weight is a constant along a slide: it is the offset".to_string()));
+        }
         if self.intake.stretches.iter().all(|s| s.velocity.is_none()) {
             let because = "there is no velocity channel: velocity is derived from position without lag";
             out.push(("velocity_lag", because.to_string()));

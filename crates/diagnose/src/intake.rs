@@ -3,9 +3,7 @@
 use crate::options::Error;
 use crate::signal::{LowPass, derivative};
 use crate::track::{Channels, dominant_frequency};
-use identify::{
-    Geometry, KarnoppOptions, Preprocess, Recording, RecordingFault, audit, identify_karnopp, prepare,
-};
+use identify::{Geometry, Recording, RecordingFault, audit};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -18,8 +16,18 @@ pub struct Intake {
     pub names: Vec<String>,
     /// Axes rather than slides.
     pub rotary: bool,
-    /// Δv of the baseline with its standard deviation, of the first recording that shows one.
+    /// Δv of the baseline and its uncertainty, where the recordings show a static branch.
     pub delta_v: Option<(f64, f64)>,
+}
+
+impl Intake {
+    /// Speeds below Δv, and a little above it, belong to the static branch from now on.
+    pub fn static_branch(&mut self, delta_v: Option<(f64, f64)>) {
+        self.delta_v = delta_v;
+        for stretch in &mut self.stretches {
+            stretch.static_band = delta_v.map_or(0.0, |(value, uncertain)| value + 2.0 * uncertain);
+        }
+    }
 }
 
 /// Shortest stretch worth keeping, samples.
@@ -38,25 +46,12 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         check_lengths(recording)?;
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
-        let delta_v = static_branch(recording);
-        intake.delta_v = intake.delta_v.or(delta_v);
         for mut stretch in cut(recording, index) {
-            // two deviations beyond, so that what is left is sliding
-            stretch.static_band = delta_v.map_or(0.0, |(value, std)| value + 2.0 * std);
             keep_trustworthy(&mut stretch);
             intake.stretches.push(stretch);
         }
     }
     Ok(intake)
-}
-
-/// Δv and its standard deviation, where the recording resolves the step from the static to the sliding branch. That
-/// takes velocity and acceleration channels: a filter blurs the step.
-fn static_branch(recording: &Recording) -> Option<(f64, f64)> {
-    let signals = prepare(recording, &Preprocess::Thesis).ok()?;
-    let found = identify_karnopp(&signals, &KarnoppOptions::default()).ok()?;
-    let delta_v = found.parameters.get("delta_v")?;
-    (delta_v.value > 0.0 && delta_v.std.is_finite()).then_some((delta_v.value, delta_v.std))
 }
 
 fn check_lengths(r: &Recording) -> Result<(), Error> {

@@ -47,6 +47,7 @@ mod search;
 mod sensor;
 mod signal;
 mod stage;
+mod static_branch;
 mod term;
 mod track;
 mod unnamed;
