@@ -379,7 +379,9 @@ impl Search<'_> {
                 };
                 let value = self.significance(&without, &best, std::slice::from_ref(&removed));
                 p.push(value);
+                // without the others a gain may have left the range its effect accepts
                 let stands = value <= LEVEL
+                    && best.atoms[i].physical(best.coefficients(self.stage, i))
                     && self.interval(&without, &best)[0] > 0.0
                     && self.material(&without, &best, start);
                 let gain = without.fit.heldout_sum() - best.fit.heldout_sum();
