@@ -22,6 +22,7 @@ mod law;
 mod limits;
 mod lugre;
 mod scalar;
+mod sine;
 
 pub use any::{Law, LawState};
 pub use coulomb::{Coulomb, CoulombState};

@@ -1,12 +1,13 @@
 //! The number a law is written over: `f32` on the device, `f64` in the rig, a dual number where a fit
 //! needs the exact derivative of the same law.
 
+use crate::sine::sin_cos;
 use core::fmt::Debug;
 use num_traits::{Num, NumAssignOps};
 
 /// A real scalar.
 ///
-/// Every transcendental goes through `libm`, never through `std` or `num_traits::Float`: the host must
+/// Every transcendental goes through `libm`, or in `f32`, where `libm` computes in `f64`, through this crate's own, never through `std` or `num_traits::Float`: the host must
 /// compute bit for bit what the target computes, and `num_traits` silently changes its backend when any
 /// crate of the workspace turns on its `std` feature.
 pub trait Scalar:
@@ -66,7 +67,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar_by_libm {
-    ($float:ty, $exp:ident, $ln:ident, $sqrt:ident, $sin:ident, $cos:ident, $pow:ident) => {
+    ($float:ty, $exp:ident, $ln:ident, $sqrt:ident, $sin:expr, $cos:expr, $pow:ident) => {
         impl Scalar for $float {
             fn lit(value: f64) -> Self {
                 value as $float
@@ -84,10 +85,10 @@ macro_rules! scalar_by_libm {
                 libm::$sqrt(self)
             }
             fn sin(self) -> Self {
-                libm::$sin(self)
+                $sin(self)
             }
             fn cos(self) -> Self {
-                libm::$cos(self)
+                $cos(self)
             }
             fn powf(self, p: Self) -> Self {
                 libm::$pow(self, p)
@@ -100,5 +101,5 @@ macro_rules! scalar_by_libm {
     };
 }
 
-scalar_by_libm!(f32, expf, logf, sqrtf, sinf, cosf, powf);
-scalar_by_libm!(f64, exp, log, sqrt, sin, cos, pow);
+scalar_by_libm!(f32, expf, logf, sqrtf, |x| sin_cos(x).0, |x| sin_cos(x).1, powf);
+scalar_by_libm!(f64, exp, log, sqrt, libm::sin, libm::cos, pow);

@@ -6,7 +6,7 @@
 
 /// E = e^(−T/τ): what is left of a velocity after one period.
 fn decay(mass: f64, damping: f64, period: f64) -> f64 {
-    libm::exp(-damping * period / mass)
+    1.0 + libm::expm1(-damping * period / mass)
 }
 
 /// 1 − e^(−x)(1 + x), without the cancellation at small x.
@@ -14,7 +14,7 @@ fn one_minus_decay(x: f64) -> f64 {
     if x < 0.05 {
         x * x * (0.5 - x * (1.0 / 3.0 - x * (0.125 - x * (1.0 / 30.0 - x / 144.0))))
     } else {
-        1.0 - libm::exp(-x) * (1.0 + x)
+        1.0 - (1.0 + libm::expm1(-x)) * (1.0 + x)
     }
 }
 

@@ -32,6 +32,7 @@ mod fault;
 mod filter;
 mod io;
 mod machine;
+pub mod number;
 mod presets;
 pub mod renderer;
 mod safety;

@@ -116,8 +116,7 @@ impl<'a> Words<'a> {
 }
 
 fn finite<'a>(what: &'static str, text: &'a str, accepted: &'static str) -> Result<f32, BadCommand<'a>> {
-    let number = text.parse::<f32>().ok().filter(|x| x.is_finite());
-    number.ok_or(BadCommand::NotANumber(what, text, accepted))
+    haptics::number::parse(text).ok_or(BadCommand::NotANumber(what, text, accepted))
 }
 
 const DECIMATION: &str = "a whole number from 1 to 1000";

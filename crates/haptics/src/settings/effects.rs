@@ -1,7 +1,8 @@
 //! Effects by name: `stribeck.force_p`.
 
-use super::parameters::{SetWhy, number};
+use super::parameters::SetWhy;
 use super::{Settings, Value};
+use crate::number;
 use friction::effects::{Effect, EffectKind};
 
 /// Where a parameter of an effect lives: in its gains or in its shape.
@@ -53,7 +54,7 @@ impl Settings {
         let kind = EffectKind::from_id(id).ok_or(SetWhy::UnknownParameter)?;
         let slot =
             slot(kind, parameter).ok_or(SetWhy::UnknownOfEffect(kind.id(), kind.gains(), kind.shape()))?;
-        let x = number(value).ok_or(SetWhy::NotANumber)?;
+        let x = number::parse(value).ok_or(SetWhy::NotANumber)?;
         let held = self.effects.iter().position(|place| place.is_some_and(|effect| effect.kind == kind));
         let at = held.or_else(|| self.effects.iter().position(Option::is_none)).ok_or(SetWhy::EffectsFull)?;
         let place = self.effects.get_mut(at).ok_or(SetWhy::EffectsFull)?;

@@ -1,6 +1,7 @@
 //! Parameters by name, as a console and a file know them.
 
 use super::{LawKind, RendererKind, Settings};
+use crate::number;
 use core::fmt;
 
 /// One parameter as `help` shows it.
@@ -139,11 +140,6 @@ fn directions(name: &str) -> Option<(&'static str, &'static str)> {
     }
 }
 
-/// A finite number, or nothing.
-pub(super) fn number(text: &str) -> Option<f32> {
-    text.parse::<f32>().ok().filter(|x| x.is_finite())
-}
-
 impl Settings {
     /// Every parameter that is stored; effects come besides, as `EFFECT.PARAMETER`.
     pub const PARAMETERS: &'static [Parameter] = PARAMETERS;
@@ -188,7 +184,7 @@ impl Settings {
             _ => {
                 let (p, n) = directions(name).unwrap_or((name_of(name), ""));
                 if let Some(place_p) = place(p) {
-                    let x = number(value).ok_or(fail(SetWhy::NotANumber))?;
+                    let x = number::parse(value).ok_or(fail(SetWhy::NotANumber))?;
                     *place_p(self) = x;
                     if let Some(place_n) = place(n) {
                         *place_n(self) = x;

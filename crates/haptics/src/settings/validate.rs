@@ -16,22 +16,31 @@ const SLOWEST: f32 = 1e-6;
 /// Share of a bound on damping that is used. A period of delay halves what the sampled device takes.
 const DAMPING_SHARE: f64 = 0.5;
 
-/// `x` rounded towards zero to four digits: a number one can type, and still within the bound.
-fn at_most(x: f64) -> f32 {
-    if !(x > 0.0 && x.is_finite()) {
+/// What makes a positive `x` a number of four digits before the point, and such a number back. By decades, not by
+/// logarithm: `f64` is software on the target.
+fn four_digits(x: f64, round: impl Fn(f64) -> f64) -> f32 {
+    if !(x > 1e-30 && x < 1e30) {
         return 0.0;
     }
-    let scale = libm::pow(10.0, 3.0 - libm::floor(libm::log10(x)));
-    (libm::floor(x * scale * (1.0 + 1e-12)) / scale) as f32
+    let (mut up, mut down) = (1.0, 1.0);
+    while x * up < 1e3 {
+        up *= 10.0;
+    }
+    while x >= 1e4 * down {
+        down *= 10.0;
+    }
+    // one of the two is 1
+    (round(x * up / down) / up * down) as f32
+}
+
+/// `x` rounded towards zero to four digits: a number one can type, and still within the bound.
+fn at_most(x: f64) -> f32 {
+    four_digits(x, |x| libm::floor(x * (1.0 + 1e-12)))
 }
 
 /// `x` rounded away from zero to four digits.
 fn at_least(x: f64) -> f32 {
-    if !(x > 0.0 && x.is_finite()) {
-        return 0.0;
-    }
-    let scale = libm::pow(10.0, 3.0 - libm::floor(libm::log10(x)));
-    (libm::ceil(x * scale * (1.0 - 1e-12)) / scale) as f32
+    four_digits(x, |x| libm::ceil(x * (1.0 - 1e-12)))
 }
 
 fn refuse(parameter: &'static str, value: f32, accepted: Accepted, why: &'static str) -> Result<(), Refused> {

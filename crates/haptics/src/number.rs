@@ -1,0 +1,109 @@
+//! Numbers as people type them.
+//!
+//! By `minimal-lexical`, not by `core`: its tables take 11 kB of flash less, and the result is the same nearest
+//! number.
+
+/// The finite number a text is: `-0.35`, `2e-3`, `7.`, `.5`. Nothing else, and nothing beyond the range of `f32`.
+#[must_use]
+pub fn parse(text: &str) -> Option<f32> {
+    let (negative, text) = match text.as_bytes() {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        rest => (false, rest),
+    };
+    let (integer, rest) = digits(text);
+    let (fraction, rest) = match rest {
+        [b'.', rest @ ..] => digits(rest),
+        rest => (&[][..], rest),
+    };
+    if integer.is_empty() && fraction.is_empty() {
+        return None;
+    }
+    let exponent = match rest {
+        [] => 0,
+        [b'e' | b'E', rest @ ..] => exponent(rest)?,
+        _ => return None,
+    };
+    // zeros at the ends say nothing, and the parser expects none
+    let integer = &integer[integer.iter().take_while(|digit| **digit == b'0').count()..];
+    let zeros = fraction.iter().rev().take_while(|digit| **digit == b'0').count();
+    let fraction = &fraction[..fraction.len() - zeros];
+    let magnitude: f32 = minimal_lexical::parse_float(integer.iter(), fraction.iter(), exponent);
+    magnitude.is_finite().then_some(if negative { -magnitude } else { magnitude })
+}
+
+/// The digits a text begins with, and what follows.
+fn digits(text: &[u8]) -> (&[u8], &[u8]) {
+    let count = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    text.split_at(count)
+}
+
+fn exponent(text: &[u8]) -> Option<i32> {
+    let (negative, text) = match text {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        rest => (false, rest),
+    };
+    let (digits, []) = digits(text) else { return None };
+    if digits.is_empty() {
+        return None;
+    }
+    // far beyond the range is far enough
+    let value = digits.iter().fold(0_i32, |value, digit| (value * 10 + i32::from(digit - b'0')).min(9_999));
+    Some(if negative { -value } else { value })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse;
+    use proptest::prelude::*;
+    use std::{format, string::String};
+
+    #[test]
+    fn what_is_no_number_is_none() {
+        for text in [
+            "", "-", "+", ".", "e5", "1e", "1e+", "1.2.3", "0x10", "1,5", "NaN", "inf", "-inf", "1e39", "1 ",
+            "٣",
+        ] {
+            assert_eq!(parse(text), None, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn every_way_to_write_it() {
+        for (text, value) in [
+            ("7", 7.0),
+            ("7.", 7.0),
+            (".5", 0.5),
+            ("-0.35", -0.35),
+            ("+2E-3", 0.002),
+            ("000", 0.0),
+            ("0.00e9", 0.0),
+            ("1e-99", 0.0),
+            ("00012.500", 12.5),
+        ] {
+            assert_eq!(parse(text), Some(value), "{text:?}");
+        }
+        assert_eq!(parse(&format!("0.{}1", "0".repeat(120))), Some(0.0));
+        let long = "0.40350000560283660888671875";
+        assert_eq!(parse(long), long.parse().ok());
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_the_standard_library(bits in any::<u32>(), digits in 0..12_usize) {
+            let x = f32::from_bits(bits);
+            prop_assume!(x.is_finite());
+            for text in [format!("{x}"), format!("{x:e}"), format!("{x:.digits$}"), format!("{x:.digits$e}")] {
+                let theirs = text.parse::<f32>().ok().filter(|x| x.is_finite());
+                prop_assert_eq!(parse(&text).map(f32::to_bits), theirs.map(f32::to_bits), "{}", text);
+            }
+        }
+
+        #[test]
+        fn no_text_panics(text in "[-+.eE0-9x ]{0,40}") {
+            let theirs = text.parse::<f32>().ok().filter(|x| x.is_finite());
+            prop_assert_eq!(parse(&text), theirs, "{}", String::from(&text));
+        }
+    }
+}
