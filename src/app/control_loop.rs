@@ -1,12 +1,17 @@
 //! The interrupt's side.
 
 use super::{ControlEnds, FaultReport, Report, Telemetry};
-use haptics::{Config, Control, FaultKind, Inputs, ModeId, Outputs, Request};
+use haptics::{Config, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
+use ringbuf::traits::{Consumer, Observer, Producer};
 
 /// The control step with its queues. Never blocks: what finds no room is not sent, and a gap in the step numbers of
 /// the telemetry shows it.
 pub struct ControlLoop {
-    control: Control,
+    /// In use until another came through the queue.
+    first: Config,
+    /// The first of the queue is in use.
+    replaced: bool,
+    state: State,
     step: u32,
     mode: ModeId,
 }
@@ -15,32 +20,39 @@ impl ControlLoop {
     /// At rest, force off.
     #[must_use]
     pub fn new(config: Config) -> Self {
-        Self { control: Control::new(config), step: 0, mode: ModeId::Idle }
+        Self {
+            state: State::new(config.device()),
+            first: config,
+            replaced: false,
+            step: 0,
+            mode: ModeId::Idle,
+        }
     }
 
     /// One control period. `raise` is a fault the board has seen; it comes before what the tasks ask.
     pub fn tick(&mut self, ends: &mut ControlEnds<'_>, inputs: &Inputs, raise: Option<FaultKind>) -> Outputs {
-        let outputs = match raise {
-            Some(kind) => self.control.step(Some(&Request::Raise(kind)), inputs),
-            None => {
-                let request = ends.requests.dequeue();
-                let outputs = self.control.step(request.as_ref(), inputs);
-                if request.is_some() {
-                    let _ = ends.report.enqueue(Report::Handled(outputs.denied));
-                }
-                outputs
+        let raise = raise.map(Request::Raise);
+        let configured = raise.is_none() && self.configure(ends);
+        let config = if self.replaced { ends.configs.try_peek() } else { None }.unwrap_or(&self.first);
+        let asked = if raise.is_none() && !configured { ends.requests.try_peek() } else { None };
+        let handled = configured || asked.is_some();
+        let outputs = step(config, &mut self.state, raise.as_ref().or(asked), inputs);
+        if handled {
+            if !configured {
+                ends.requests.skip(1);
             }
-        };
+            let _ = ends.report.try_push(Report::Handled(outputs.denied));
+        }
         if outputs.identified
-            && let Some(sums) = self.control.state().sums()
+            && let Some(sums) = self.state.sums()
         {
-            let _ = ends.report.enqueue(Report::Identified(*sums));
+            let _ = ends.report.try_push(Report::Identified(*sums));
         }
         if outputs.mode == ModeId::Fault
             && self.mode != ModeId::Fault
-            && let Some(fault) = self.control.state().fault()
+            && let Some(fault) = self.state.fault()
         {
-            let _ = ends.report.enqueue(Report::Fault(FaultReport {
+            let _ = ends.report.try_push(Report::Fault(FaultReport {
                 kind: fault.kind,
                 step: self.step,
                 during: self.mode,
@@ -50,15 +62,22 @@ impl ControlLoop {
             }));
         }
         self.mode = outputs.mode;
-        let _ = ends.tell.enqueue(Telemetry { step: self.step, inputs: *inputs, outputs });
+        let _ = ends.tell.try_push(Telemetry { step: self.step, inputs: *inputs, outputs });
         self.step = self.step.wrapping_add(1);
         outputs
     }
 
-    /// The control loop itself.
-    #[must_use]
-    pub fn control(&self) -> &Control {
-        &self.control
+    /// Takes up the configuration that the tasks have sent, if there is one.
+    fn configure(&mut self, ends: &mut ControlEnds<'_>) -> bool {
+        let waiting = ends.configs.occupied_len() > usize::from(self.replaced);
+        if waiting {
+            if self.replaced {
+                ends.configs.skip(1);
+            }
+            self.replaced = true;
+            self.state.reconfigured();
+        }
+        waiting
     }
 
     /// Control steps since the start; wraps.

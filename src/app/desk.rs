@@ -9,6 +9,7 @@ use crate::board::Board;
 use core::fmt::Write;
 use haptics::{Config, Device, FaultKind, ModeId, Procedure, Refused, Request, Settings, Sums};
 use link::{BadLine, Command, LineEditor, MAX_LINE, Name, PresetCommand, PresetStore};
+use ringbuf::traits::{Consumer, Producer};
 
 /// Preset after a start, unless another is the default.
 const FIRST: &str = "brass";
@@ -121,10 +122,10 @@ impl Desk {
     /// Moves everything on; call it at least once every few milliseconds.
     pub fn poll(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
         while self.output.fits_line(answer::LINE) {
-            let Some(report) = ends.reports.dequeue() else { break };
+            let Some(report) = ends.reports.try_pop() else { break };
             self.hear(&report);
         }
-        while let Some(telemetry) = ends.telemetry.dequeue() {
+        while let Some(telemetry) = ends.telemetry.try_pop() {
             self.see(&telemetry);
         }
         if self.pending.as_ref().is_some_and(|(_, since)| board.now_ms().wrapping_sub(*since) > PATIENCE_MS) {
@@ -336,10 +337,14 @@ impl Desk {
 
     /// Hands a request to the control loop; the answer comes when it was handled.
     fn ask(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
-        match ends.ask.enqueue(request) {
+        match ends.ask.try_push(request) {
             Ok(()) => self.pending = Some((pending, now)),
-            Err(_) => self.err("BUSY", "the control loop has requests waiting; try again"),
+            Err(_) => self.busy(),
         }
+    }
+
+    fn busy(&mut self) {
+        self.err("BUSY", "the control loop has requests waiting; try again");
     }
 
     fn get(&mut self, name: &str) {
@@ -369,10 +374,10 @@ impl Desk {
 
     fn configure(&mut self, settings: Settings, name: Named, now: u32, ends: &mut DeskEnds<'_>) {
         match settings.validate(&self.device).and_then(|w| Ok((w, settings.build(&self.device)?))) {
-            Ok((warning, config)) => {
-                let pending = Pending::Settings { settings, name, warning };
-                self.ask(Request::Configure(config), pending, now, ends);
-            }
+            Ok((warning, config)) => match ends.configure.try_push(config) {
+                Ok(()) => self.pending = Some((Pending::Settings { settings, name, warning }, now)),
+                Err(_) => self.busy(),
+            },
             Err(refused) => self.err("REFUSED", refused),
         }
     }

@@ -12,8 +12,9 @@ pub use control_loop::ControlLoop;
 pub use desk::Desk;
 pub use output::Output;
 
-use haptics::{Denied, FaultKind, Inputs, ModeId, Outputs, Request, Sums};
-use heapless::spsc::{Consumer, Producer, Queue};
+use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Outputs, Request, Sums};
+use ringbuf::traits::SplitRef;
+use ringbuf::{CachingCons, CachingProd, StaticRb};
 
 /// One control period, for the tasks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,40 +59,49 @@ pub enum Report {
 /// Telemetry that waits for the tasks: what they may be behind, control periods.
 const TELEMETRY: usize = 32;
 
+/// Requests that may wait.
+const REQUESTS: usize = 3;
+/// The configuration in use and the one that replaces it.
+const CONFIGS: usize = 2;
+/// Reports that may wait.
+const REPORTS: usize = 7;
+
 /// The queues between interrupt and tasks; lock-free, one writer and one reader each.
 #[derive(Default)]
 pub struct Queues {
-    requests: Queue<Request, 4>,
-    reports: Queue<Report, 8>,
-    telemetry: Queue<Telemetry, TELEMETRY>,
+    configs: StaticRb<Config, CONFIGS>,
+    requests: StaticRb<Request, REQUESTS>,
+    reports: StaticRb<Report, REPORTS>,
+    telemetry: StaticRb<Telemetry, TELEMETRY>,
 }
 
 impl Queues {
-    /// Empty ones.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { requests: Queue::new(), reports: Queue::new(), telemetry: Queue::new() }
-    }
-
     /// The ends for the interrupt and for the tasks.
     pub fn split(&mut self) -> (ControlEnds<'_>, DeskEnds<'_>) {
-        let (ask, requests) = self.requests.split();
-        let (report, reports) = self.reports.split();
-        let (tell, telemetry) = self.telemetry.split();
-        (ControlEnds { requests, report, tell }, DeskEnds { ask, reports, telemetry })
+        let (configure, configs) = self.configs.split_ref();
+        let (ask, requests) = self.requests.split_ref();
+        let (report, reports) = self.reports.split_ref();
+        let (tell, telemetry) = self.telemetry.split_ref();
+        (ControlEnds { configs, requests, report, tell }, DeskEnds { configure, ask, reports, telemetry })
     }
 }
 
+type Producer<'q, T, const N: usize> = CachingProd<&'q StaticRb<T, N>>;
+type Consumer<'q, T, const N: usize> = CachingCons<&'q StaticRb<T, N>>;
+
 /// The interrupt's ends.
 pub struct ControlEnds<'q> {
-    requests: Consumer<'q, Request>,
-    report: Producer<'q, Report>,
-    tell: Producer<'q, Telemetry>,
+    /// The first is in use where it lies: a swap copies nothing.
+    configs: Consumer<'q, Config, CONFIGS>,
+    requests: Consumer<'q, Request, REQUESTS>,
+    report: Producer<'q, Report, REPORTS>,
+    tell: Producer<'q, Telemetry, TELEMETRY>,
 }
 
 /// The tasks' ends.
 pub struct DeskEnds<'q> {
-    ask: Producer<'q, Request>,
-    reports: Consumer<'q, Report>,
-    telemetry: Consumer<'q, Telemetry>,
+    configure: Producer<'q, Config, CONFIGS>,
+    ask: Producer<'q, Request, REQUESTS>,
+    reports: Consumer<'q, Report, REPORTS>,
+    telemetry: Consumer<'q, Telemetry, TELEMETRY>,
 }

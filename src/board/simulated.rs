@@ -296,7 +296,7 @@ impl VirtualDevice {
             board,
             control,
             desk,
-            queues: Queues::new(),
+            queues: Queues::default(),
             input: VecDeque::new(),
             output: Vec::new(),
             outputs: Outputs::default(),

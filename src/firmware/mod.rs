@@ -15,12 +15,12 @@ mod supervisor;
 use cortex_m_rt as _;
 use defmt_rtt as _;
 use embassy_executor::Spawner;
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::StaticCell;
 use tribos_firmware::app::{ControlLoop, Desk, Queues};
 use tribos_firmware::board::Board;
 use tribos_firmware::board::nucleo_g474re::{self, Nucleo, Peripherals};
 
-static QUEUES: ConstStaticCell<Queues> = ConstStaticCell::new(Queues::new());
+static QUEUES: StaticCell<Queues> = StaticCell::new();
 static DESK: StaticCell<Desk> = StaticCell::new();
 
 #[embassy_executor::main]
@@ -31,7 +31,7 @@ async fn main(spawner: Spawner) {
     // the first preset suits the device of this board: tests/elf sees it run. If it ever did not, nothing would
     // run and nothing be driven.
     let Ok(config) = desk.config() else { panic!("the first preset does not suit this device") };
-    let (control, ends) = QUEUES.take().split();
+    let (control, ends) = QUEUES.init_with(Queues::default).split();
     let rest = peripherals.start(ControlLoop::new(config), control);
     // each task is started once, which is all a spawn token asks
     if let (Ok(console), Ok(supervisor)) =

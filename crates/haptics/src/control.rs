@@ -1,8 +1,8 @@
-//! The one place where a configuration is replaced.
+//! Configuration and state in one, where one thread has both.
 
 use crate::{Config, Inputs, Outputs, Request, State, step};
 
-/// Configuration and state together: what the control interrupt owns.
+/// Configuration and state together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Control {
     config: Config,
@@ -16,11 +16,14 @@ impl Control {
         Self { state: State::new(&config.device), config }
     }
 
+    /// Replaces what runs, without a jump in force.
+    pub fn configure(&mut self, config: Config) {
+        self.config = config;
+        self.state.reconfigured();
+    }
+
     /// Handles the request, then one control step.
     pub fn step(&mut self, request: Option<&Request>, inputs: &Inputs) -> Outputs {
-        if let Some(Request::Configure(config)) = request {
-            self.config = *config;
-        }
         step(&self.config, &mut self.state, request, inputs)
     }
 

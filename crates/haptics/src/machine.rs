@@ -17,17 +17,15 @@
 //! Force is on in RENDERING and EXCITING only. The step that finds a fault already gives force 0 with the amplifier
 //! off. The first fault is kept with the moment and the motion it was found at; later ones do not overwrite it.
 
+use crate::FaultKind;
 use crate::excitation::{Drive, Excitation};
 use crate::renderer::Contact;
 use crate::streaming_identify::{Procedure, Recorder};
-use crate::{Config, FaultKind};
 
 /// Something asked of the loop; handled between two steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one copy per request, not per step
 pub enum Request {
-    /// Replaces the running configuration ([`crate::Control`] does it) without a jump in force.
-    Configure(Config),
     /// Puts the virtual contact on the handle, or takes it off.
     Render(bool),
     /// Moves the handle for identification.

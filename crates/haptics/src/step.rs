@@ -24,6 +24,8 @@ pub struct State {
     blend: f32,
     /// A configuration was swapped and the difference is not known yet.
     swapped: bool,
+    /// The next step runs with another configuration than the last.
+    reconfigured: bool,
     sums: Option<Sums>,
 }
 
@@ -42,7 +44,24 @@ impl State {
             force: 0.0,
             blend: 0.0,
             swapped: false,
+            reconfigured: false,
             sums: None,
+        }
+    }
+
+    /// The next step will run with another configuration: it goes on without a jump in force.
+    pub fn reconfigured(&mut self) {
+        self.reconfigured = true;
+    }
+
+    /// A contact whose memory does not belong to the configuration is made anew.
+    fn take_up(&mut self, config: &Config, handle: &Handle) {
+        if let Mode::Rendering { contact, .. } = &mut self.mode {
+            if !contact.fits(config) {
+                *contact = Contact::new(config, handle);
+            }
+            // the difference is taken when the new force is known
+            self.swapped = true;
         }
     }
 
@@ -92,16 +111,6 @@ impl State {
         let faulty = matches!(self.mode, Mode::Fault(_));
         let running = matches!(self.mode, Mode::Exciting { .. });
         match request {
-            Request::Configure(_) => {
-                if let Mode::Rendering { contact, .. } = &mut self.mode {
-                    if !contact.fits(config) {
-                        *contact = Contact::new(config, handle);
-                    }
-                    // the difference is taken when the new force is known
-                    self.swapped = true;
-                }
-                Ok(())
-            }
             Request::Raise(kind) => {
                 self.latch(*kind, inputs.sample_ticks, handle);
                 Ok(())
@@ -182,7 +191,7 @@ impl State {
 /// Pure: the same configuration, state, request and inputs give the same outputs and state, bit for bit, on every
 /// machine. It never panics; whatever comes in, the outputs are finite and |force| ≤ `force_max`.
 ///
-/// `Request::Configure` here only re-anchors the contact: replacing `config` itself is [`crate::Control`]'s part.
+/// After `config` was replaced call [`State::reconfigured`] before the next step.
 pub fn step(config: &Config, state: &mut State, request: Option<&Request>, inputs: &Inputs) -> Outputs {
     let device = &config.device;
     let elapsed = state.previous_ticks.map(|previous| inputs.sample_ticks.wrapping_sub(previous));
@@ -193,6 +202,9 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         velocity: state.estimator.counts_per_tick() * config.metre_per_second,
         displacement: state.estimator.step() as f32 * device.metre_per_count,
     };
+    if core::mem::take(&mut state.reconfigured) {
+        state.take_up(config, &handle);
+    }
     let denied = request.and_then(|request| state.obey(config, request, inputs, &handle).err());
 
     let mut outputs = Outputs {

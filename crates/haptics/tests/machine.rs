@@ -267,10 +267,6 @@ prop_compose! {
 
 fn any_request() -> impl Strategy<Value = Request> {
     prop_oneof![
-        any_settings().prop_map(|settings| match settings.build(&Device::default()) {
-            Ok(config) => Request::Configure(config),
-            Err(_) => Request::Stop,
-        }),
         any::<bool>().prop_map(Request::Render),
         (0..Wave::ALL.len(), any_number(), any_number(), any_number()).prop_map(|(w, a, f, s)| {
             Request::Excite(Excitation { wave: Wave::ALL[w], amplitude_m: a, frequency_hz: f, seconds: s })
@@ -310,7 +306,14 @@ proptest! {
     fn nothing_makes_it_unsafe(
         settings in any_settings(),
         wild_device in (any_number(), any_number(), any_number(), 0..8_u8),
-        script in prop::collection::vec((any_sample(), prop::option::weighted(0.15, any_request())), 1..200),
+        script in prop::collection::vec(
+            (
+                any_sample(),
+                prop::option::weighted(0.15, any_request()),
+                prop::option::weighted(0.02, any_settings()),
+            ),
+            1..200,
+        ),
     ) {
         let mut device = Device::default();
         let (a, b, c, which) = wild_device;
@@ -326,7 +329,11 @@ proptest! {
         let mut twin = control;
         let mut now = Inputs { load_code: 32_768, accel_code: 32_768, ..Inputs::default() };
         let mut latched: Option<FaultKind> = None;
-        for (sample, request) in &script {
+        for (sample, request, other) in &script {
+            if let Some(Ok(other)) = other.map(|other| other.build(&device)) {
+                control.configure(other);
+                twin.configure(other);
+            }
             match *sample {
                 Sample::Next(counts) => {
                     now.sample_ticks = now.sample_ticks.wrapping_add(170_000);

@@ -2,7 +2,7 @@
 
 mod rig;
 
-use haptics::{Control, Device, FaultKind, LawKind, RendererKind, Request, Settings, bounds};
+use haptics::{Control, Device, FaultKind, LawKind, RendererKind, Settings, bounds};
 use rig::{COUNT, Rig, T, control, render};
 
 /// Every law with every renderer, symmetric, in the range of the rig.
@@ -236,10 +236,10 @@ fn a_swapped_configuration_does_not_jump() {
         let before = outputs.force;
         let mut worst = 0.0_f32;
         for (_, other) in contacts() {
-            let request = Request::Configure(other.build(&Device::default()).expect("valid"));
+            control.configure(other.build(&Device::default()).expect("valid"));
             let last = outputs.force;
             rig.push(f64::from(outputs.force) + 1.5);
-            outputs = control.step(Some(&request), &rig.inputs());
+            outputs = control.step(None, &rig.inputs());
             worst = worst.max((outputs.force - last).abs());
             hold(&mut control, &mut rig, &mut outputs, 1_500);
         }

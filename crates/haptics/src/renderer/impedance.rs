@@ -14,6 +14,7 @@
 use super::{Handle, Rendered};
 use crate::Config;
 use crate::settings::MAX_EFFECTS;
+use core::mem::{Discriminant, discriminant};
 use friction::effects::{EffectKind, EffectState};
 use friction::{FrictionLaw, Law, LawState, Motion};
 
@@ -24,7 +25,7 @@ pub struct Impedance {
     /// Force on the handle in the last step, N: the one variable of table 4-1.
     friction: f32,
     law: LawState<f32>,
-    law_id: &'static str,
+    law_kind: Discriminant<Law<f32>>,
     effects: [EffectState<f32>; MAX_EFFECTS],
     kinds: [Option<EffectKind>; MAX_EFFECTS],
 }
@@ -52,15 +53,15 @@ impl Impedance {
             grip: Grip::Stuck { entered: handle.position, preload: 0.0 },
             friction: 0.0,
             law: LawState::default(),
-            law_id: config.law.id(),
+            law_kind: discriminant(&config.law),
             effects: Default::default(),
-            kinds: config.effects.map(|effect| effect.map(|effect| effect.kind)),
+            kinds: core::array::from_fn(|at| config.effects[at].as_ref().map(|effect| effect.kind)),
         }
     }
 
     pub(crate) fn fits(&self, config: &Config) -> bool {
-        self.law_id == config.law.id()
-            && self.kinds == config.effects.map(|effect| effect.map(|effect| effect.kind))
+        let kinds = config.effects.iter().map(|effect| effect.as_ref().map(|effect| effect.kind));
+        self.law_kind == discriminant(&config.law) && self.kinds.iter().copied().eq(kinds)
     }
 
     pub(crate) fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {

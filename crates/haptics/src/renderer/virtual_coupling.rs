@@ -10,6 +10,7 @@
 use super::{Handle, Rendered};
 use crate::Config;
 use crate::settings::MAX_EFFECTS;
+use core::mem::{Discriminant, discriminant};
 use friction::effects::{EffectKind, EffectState};
 use friction::{FrictionLaw, Law, LawState, Motion};
 
@@ -23,7 +24,7 @@ pub struct VirtualCoupling {
     velocity: f32,
     displacement: f32,
     law: LawState<f32>,
-    law_id: &'static str,
+    law_kind: Discriminant<Law<f32>>,
     effects: [EffectState<f32>; MAX_EFFECTS],
     kinds: [Option<EffectKind>; MAX_EFFECTS],
 }
@@ -36,15 +37,15 @@ impl VirtualCoupling {
             velocity: handle.velocity,
             displacement: 0.0,
             law: LawState::default(),
-            law_id: config.law.id(),
+            law_kind: discriminant(&config.law),
             effects: Default::default(),
-            kinds: config.effects.map(|effect| effect.map(|effect| effect.kind)),
+            kinds: core::array::from_fn(|at| config.effects[at].as_ref().map(|effect| effect.kind)),
         }
     }
 
     pub(crate) fn fits(&self, config: &Config) -> bool {
-        self.law_id == config.law.id()
-            && self.kinds == config.effects.map(|effect| effect.map(|effect| effect.kind))
+        let kinds = config.effects.iter().map(|effect| effect.as_ref().map(|effect| effect.kind));
+        self.law_kind == discriminant(&config.law) && self.kinds.iter().copied().eq(kinds)
     }
 
     pub(crate) fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
