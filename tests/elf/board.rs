@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// The image, built once for all tests; `None` without a toolchain for the target.
-fn image() -> Option<&'static Image> {
+pub fn image() -> Option<&'static Image> {
     static IMAGE: OnceLock<Option<Image>> = OnceLock::new();
     IMAGE.get_or_init(build).as_ref()
 }

@@ -5,6 +5,7 @@
 
 mod agreement;
 mod board;
+mod no_panic;
 mod safety;
 
 use board::Board;

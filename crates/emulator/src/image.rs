@@ -1,7 +1,7 @@
 //! The ELF as a programmer sees it: what goes into flash, and a few symbols.
 
 use object::read::elf::ProgramHeader;
-use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
+use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 use std::collections::BTreeMap;
 
 pub(crate) const FLASH_BASE: u32 = 0x0800_0000;
@@ -36,6 +36,8 @@ pub enum ImageError {
 pub struct Image {
     pub(crate) flash: Vec<(u32, Vec<u8>)>,
     pub(crate) symbols: BTreeMap<String, u32>,
+    /// Where each function begins, in order.
+    pub(crate) functions: Vec<(u32, String)>,
     /// Bytes that are programmed.
     pub flash_bytes: usize,
     /// Bytes of static data in RAM.
@@ -82,8 +84,15 @@ impl Image {
             .sum();
         let symbols =
             file.symbols().filter_map(|s| Some((s.name().ok()?.to_string(), s.address() as u32))).collect();
+        let mut functions: Vec<(u32, String)> = file
+            .symbols()
+            .filter(|s| s.kind() == SymbolKind::Text && s.address() != 0)
+            .filter_map(|s| Some((s.address() as u32 & !1, s.name().ok()?.to_string())))
+            .filter(|(_, name)| !name.starts_with('$'))
+            .collect();
+        functions.sort();
         let flash_bytes = flash.iter().map(|(_, data)| data.len()).sum();
-        Ok(Self { flash, symbols, flash_bytes, ram_bytes })
+        Ok(Self { flash, symbols, functions, flash_bytes, ram_bytes })
     }
 
     /// Word of the vector table.

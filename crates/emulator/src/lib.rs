@@ -29,6 +29,7 @@ mod iwdg;
 mod lpuart;
 mod machine;
 mod rcc;
+mod reach;
 mod soc;
 mod stats;
 mod tim;
@@ -37,6 +38,7 @@ mod world;
 pub use image::{Image, ImageError};
 pub use machine::Machine;
 pub use rcc::ResetCause;
+pub use reach::{Lost, Reach};
 pub use stats::{Statistics, Summary};
 
 /// Units of virtual time in a second: whole for a cycle of 170 MHz (16) and one of 16 MHz (170).

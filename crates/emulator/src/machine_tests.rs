@@ -35,6 +35,7 @@ fn image() -> Image {
         ram_bytes: 0,
         flash: vec![(FLASH_BASE, flash)],
         symbols: BTreeMap::new(),
+        functions: Vec::new(),
     }
 }
 

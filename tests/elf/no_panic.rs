@@ -1,0 +1,33 @@
+//! What the control interrupt can reach, from the machine code of the ELF.
+
+use crate::board::image;
+
+/// Names of what must not be in a step: panics and what formats them, the log, soft-float `f64`, the allocator.
+const FORBIDDEN: [&str; 8] =
+    ["panic", "unwind", "unwrap_failed", "expect_failed", "core::fmt", "defmt", "__aeabi_d", "alloc::"];
+
+#[test]
+fn no_panic_is_reachable_from_the_control_interrupt() {
+    let Some(image) = image() else { return };
+    let step = image.reach("ADC1_2").expect("the control interrupt");
+    println!(
+        "control interrupt: {} instructions in {} functions can be reached, {} of them traps, {} calls through registers",
+        step.instructions,
+        step.functions.len(),
+        step.traps.len(),
+        step.indirect.len()
+    );
+    for function in &step.functions {
+        println!("  {function}");
+    }
+    assert!(step.indirect.is_empty(), "calls that cannot be followed: {:x?}", step.indirect);
+    assert!(step.traps.is_empty(), "{:x?}", step.traps);
+    let found: Vec<_> =
+        step.functions.iter().filter(|name| FORBIDDEN.iter().any(|word| name.contains(word))).collect();
+    assert!(found.is_empty(), "{found:?}");
+    // the same look at an interrupt that may panic, embassy's clock, finds it
+    let clock = image.reach("TIM4").expect("the clock of the tasks");
+    let panics = clock.functions.iter().any(|name| name.contains("panic"));
+    println!("clock of the tasks: {} instructions, a panic among them: {panics}", clock.instructions);
+    assert!(panics);
+}
