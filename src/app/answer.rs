@@ -19,8 +19,8 @@ pub(super) enum Pending {
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
     /// `render`
     Render(bool),
-    /// `move`
-    Move(Excitation),
+    /// `move`, and for how long the host may be silent, s
+    Move(Excitation, f32),
     /// `identify`, its length in s
     Identify(f32),
     /// `stop`
@@ -53,14 +53,18 @@ impl Pending {
                 }
             }
             Self::Render(on) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
-            Self::Move(e) => {
+            Self::Move(e, watch) => {
                 let (wave, amplitude, frequency) = (e.wave.id(), e.amplitude_m, e.frequency_hz);
                 write!(out, "ok move {wave} {amplitude} m {frequency} Hz")?;
                 if e.seconds > 0.0 {
-                    write!(out, " for {} s", e.seconds)
+                    write!(out, " for {} s", e.seconds)?;
                 } else {
-                    out.write_str(" until `stop`")
+                    out.write_str(" until `stop`")?;
                 }
+                if *watch > 0.0 && !(e.seconds > 0.0 && e.seconds < *watch) {
+                    write!(out, "; send a line at least every {watch} s")?;
+                }
+                Ok(())
             }
             Self::Identify(seconds) => {
                 write!(out, "ok identify: {seconds:.0} s of motion, hands off; the result follows")

@@ -35,12 +35,14 @@ impl ControlLoop {
         let configured = raise.is_none() && self.configure(ends);
         let config = if self.replaced { ends.configs.try_peek() } else { None }.unwrap_or(&self.first);
         let asked = if raise.is_none() && !configured { ends.requests.try_peek() } else { None };
-        let handled = configured || asked.is_some();
+        // a promise is kept quietly: nobody waits for its answer
+        let answered = configured || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. }));
+        let taken = asked.is_some();
         let outputs = step(config, &mut self.state, raise.as_ref().or(asked), inputs);
-        if handled {
-            if !configured {
-                ends.requests.skip(1);
-            }
+        if taken {
+            ends.requests.skip(1);
+        }
+        if answered {
             let _ = ends.report.try_push(Report::Handled(outputs.denied));
         }
         if outputs.identified
@@ -78,6 +80,12 @@ impl ControlLoop {
             self.state.reconfigured();
         }
         waiting
+    }
+
+    /// What the loop remembers.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
     }
 
     /// Control steps since the start; wraps.

@@ -17,6 +17,11 @@ const FIRST: &str = "brass";
 const IDENTIFIED: &str = "identified";
 /// How long the control loop may take to handle a request, ms.
 const PATIENCE_MS: u32 = 500;
+/// How long the host may be silent while it drives the handle, unless `watch` says otherwise, s: an identification
+/// typed by hand takes 14.
+const WATCH_S: f32 = 30.0;
+/// Promises of the host are handed on this often at most, ms.
+const PROMISE_MS: u32 = 20;
 
 /// Console, presets and stream of one device.
 pub struct Desk {
@@ -38,6 +43,10 @@ pub struct Desk {
     fault: Option<FaultReport>,
     /// Control periods the tasks did not see.
     unseen: u32,
+    watch_s: f32,
+    /// The host has spoken since its last promise was handed on, ms.
+    heard: bool,
+    promised_ms: u32,
 }
 
 impl Desk {
@@ -59,6 +68,9 @@ impl Desk {
             last: None,
             fault: None,
             unseen: 0,
+            watch_s: WATCH_S,
+            heard: false,
+            promised_ms: 0,
         }
     }
 
@@ -102,6 +114,7 @@ impl Desk {
     /// Takes bytes from the serial line, up to the end of a command that has to be answered first. Returns how many
     /// it took; offer the rest again after [`Self::poll`].
     pub fn receive(&mut self, bytes: &[u8], ends: &mut DeskEnds<'_>, board: &mut impl Board) -> usize {
+        self.heard |= !bytes.is_empty();
         for (at, byte) in bytes.iter().enumerate() {
             if self.is_busy() {
                 return at;
@@ -132,7 +145,18 @@ impl Desk {
             self.pending = None;
             self.err("NO_ANSWER", "the control loop does not run; see `fault`, or restart the device");
         }
+        self.promise(board.now_ms(), ends);
         self.list(board);
+    }
+
+    /// While the host drives the handle every byte of it counts: the loop withdraws force when none comes.
+    fn promise(&mut self, now: u32, ends: &mut DeskEnds<'_>) {
+        let due = self.heard && now.wrapping_sub(self.promised_ms) >= PROMISE_MS;
+        if due && self.last.is_some_and(|t| is_driven(t.outputs.mode)) {
+            // no room: the next poll tries again
+            self.heard = ends.ask.try_push(Request::HostWatch { seconds: self.watch_s }).is_err();
+            self.promised_ms = now;
+        }
     }
 
     fn say(&mut self, line: &Line) {
@@ -218,8 +242,7 @@ impl Desk {
     fn see(&mut self, telemetry: &Telemetry) {
         if let Some(last) = &self.last {
             self.unseen = self.unseen.saturating_add(telemetry.step.wrapping_sub(last.step).wrapping_sub(1));
-            let driven = |mode| matches!(mode, ModeId::Exciting | ModeId::Identifying);
-            if driven(last.outputs.mode)
+            if is_driven(last.outputs.mode)
                 && telemetry.outputs.mode == ModeId::Idle
                 && self.output.fits_line(answer::LINE)
             {
@@ -307,13 +330,16 @@ impl Desk {
             Command::Set { name, value } => self.set(name, value, now, ends),
             Command::Render(on) => self.ask(Request::Render(on), Pending::Render(on), now, ends),
             Command::Move(excitation) => match excitation.validate(&self.device) {
-                Ok(()) => self.ask(Request::Excite(excitation), Pending::Move(excitation), now, ends),
+                Ok(()) => {
+                    let pending = Pending::Move(excitation, self.watch_s);
+                    self.drive(Request::Excite(excitation), pending, now, ends);
+                }
                 Err(refused) => self.err("REFUSED", refused),
             },
             Command::Identify => {
                 let procedure = Procedure::default();
                 let seconds = procedure.warm_up_s + procedure.record_s;
-                self.ask(Request::Identify(procedure), Pending::Identify(seconds), now, ends);
+                self.drive(Request::Identify(procedure), Pending::Identify(seconds), now, ends);
             }
             Command::Stop => self.ask(Request::Stop, Pending::Stop, now, ends),
             Command::Clear => self.ask(Request::ClearFault, Pending::Clear, now, ends),
@@ -325,6 +351,7 @@ impl Desk {
                 self.ok(format_args!("stream on, every {decimation} periods"));
                 self.stream = Some(Stream::new(decimation, self.preset.clone()));
             }
+            Command::Watch(seconds) => self.watch(seconds),
             Command::SelfTest => match self.last.map(|t| t.outputs.mode) {
                 Some(ModeId::Idle) => self.selftest = Some(SelfTest::default()),
                 Some(mode) => {
@@ -333,6 +360,13 @@ impl Desk {
                 None => self.err("NO_ANSWER", "the control loop does not run"),
             },
         }
+    }
+
+    /// Hands over a request that drives the handle, and the host's promise to be there.
+    fn drive(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
+        self.ask(request, pending, now, ends);
+        // if it finds no room, the next bytes bring it
+        let _ = ends.ask.try_push(Request::HostWatch { seconds: self.watch_s });
     }
 
     /// Hands a request to the control loop; the answer comes when it was handled.
@@ -345,6 +379,16 @@ impl Desk {
 
     fn busy(&mut self) {
         self.err("BUSY", "the control loop has requests waiting; try again");
+    }
+
+    fn watch(&mut self, seconds: Option<f32>) {
+        self.watch_s = seconds.unwrap_or(self.watch_s);
+        match self.watch_s {
+            0.0 => self.ok(format_args!("watch off: the host may fall silent while it drives the handle")),
+            seconds => self.ok(format_args!(
+                "watch {seconds} s: a driven handle is let go when no byte came for so long"
+            )),
+        }
     }
 
     fn get(&mut self, name: &str) {
@@ -457,4 +501,9 @@ impl Desk {
             f.kind.explain()
         ));
     }
+}
+
+/// The device moves the handle because a host said so.
+fn is_driven(mode: ModeId) -> bool {
+    matches!(mode, ModeId::Exciting | ModeId::Identifying)
 }

@@ -8,7 +8,8 @@ use friction::{Coulomb, Invalid, Karnopp, Law};
 use haptics::{Channel, Device, Inputs, ModeId, Outputs};
 use link::HelpLine;
 use plant::{
-    Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Target, Truth, materials::material,
+    Bench, Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Target, Truth, Wire,
+    materials::material,
 };
 use std::collections::VecDeque;
 
@@ -16,6 +17,8 @@ use std::collections::VecDeque;
 const BYTES_PER_PERIOD: usize = 92;
 /// Bytes nobody reads; with more the line stands still, as on a device whose cable is not plugged in.
 const UNREAD: usize = 1 << 20;
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.806_65;
 
 /// What the block slides by.
 pub type Slide = Layered<Law<f64>>;
@@ -98,6 +101,12 @@ const NOTHING: Slide = Layered::new(Law::Coulomb(Coulomb {
 const HELP: &[HelpLine] = &[
     HelpLine { usage: "sim hand off|hold|push NEWTON|sine AMP FREQ", what: "simulated hand: N, m, Hz" },
     HelpLine { usage: "sim block none|brass|teflon|rubber", what: "a real block on the handle (table 3-3)" },
+    HelpLine {
+        usage: "sim wire encoder|load|accel|amplifier right|swapped|dead",
+        what: "a mistake in the wiring, for `selftest` to find",
+    },
+    HelpLine { usage: "sim hang NEWTON", what: "a weight on the load cell, for `calibrate`" },
+    HelpLine { usage: "sim tilt up|down|level", what: "gravity on the accelerometer, for `calibrate`" },
     HelpLine { usage: "sim truth", what: "what really happens in the rig" },
 ];
 
@@ -184,7 +193,39 @@ impl SimulatedBoard {
                     t.actuator_force
                 );
             }
-            _ => return Err(wrong(out, &words.join(" "), "hand …, block …, truth")),
+            ["wire", signal @ ("encoder" | "load" | "accel" | "amplifier"), how] => {
+                let Some(wire) = Wire::from_id(how) else {
+                    return Err(wrong(out, how, "right, swapped, dead"));
+                };
+                let mut config = *self.rig.config();
+                match *signal {
+                    "encoder" => config.wiring.encoder = wire,
+                    "load" => config.wiring.load = wire,
+                    "accel" => config.wiring.accel = wire,
+                    _ => config.wiring.amplifier = wire,
+                }
+                let _ = self.rig.reconfigure(config);
+                let _ = write!(out, "wire of {signal} {how}");
+            }
+            ["wire", word, ..] => return Err(wrong(out, word, "encoder, load, accel, amplifier")),
+            ["hang", text] => {
+                let weight = number(out, "NEWTON", text, 44.0)?;
+                let bench = Bench { weight, ..self.rig.config().bench };
+                let _ = self.rig.reconfigure(RigConfig { bench, ..*self.rig.config() });
+                let _ = write!(out, "{weight} N hang on the load cell, the slide is locked");
+            }
+            ["tilt", word @ ("up" | "down" | "level")] => {
+                let gravity = match *word {
+                    "up" => GRAVITY,
+                    "down" => -GRAVITY,
+                    _ => 0.0,
+                };
+                let bench = Bench { gravity, ..self.rig.config().bench };
+                let _ = self.rig.reconfigure(RigConfig { bench, ..*self.rig.config() });
+                let _ = write!(out, "accelerometer {word}, the slide is locked");
+            }
+            ["tilt", word, ..] => return Err(wrong(out, word, "up, down, level")),
+            _ => return Err(wrong(out, &words.join(" "), "hand …, block …, wire …, hang …, tilt …, truth")),
         }
         Ok(())
     }
@@ -349,6 +390,12 @@ impl VirtualDevice {
     #[must_use]
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
+    }
+
+    /// The control loop.
+    #[must_use]
+    pub fn control(&self) -> &haptics::Control {
+        self.control.control()
     }
 
     /// State of the machine.

@@ -8,7 +8,7 @@ use crate::stats::Statistics;
 use crate::world::World;
 use crate::{Image, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
-use plant::{Hand, RigConfig, Truth};
+use plant::{Bench, Hand, RigConfig, Truth, Wiring};
 use rsemu::core::space::{AddressSpace, RamStore, Region};
 use rsemu::cpu::arm::v7m::{ArmV7m, Config};
 use std::collections::BTreeSet;
@@ -233,6 +233,19 @@ impl Machine {
     /// Puts a hand on the handle.
     pub fn set_hand(&mut self, hand: impl Hand + Send + 'static) {
         self.shared.soc().world.set_hand(Box::new(hand));
+    }
+
+    /// Wires the rig's signals otherwise, from now on.
+    pub fn rewire(&mut self, wiring: Wiring) {
+        self.shared.soc().world.rewire(wiring);
+    }
+
+    /// Puts something on the sensors for a calibration.
+    ///
+    /// # Errors
+    /// A weight or a gravity that is out of range.
+    pub fn put_on_bench(&mut self, bench: Bench) -> Result<(), friction::Invalid> {
+        self.shared.soc().world.put_on_bench(bench)
     }
 
     /// Presses or releases the emergency stop.

@@ -2,7 +2,7 @@
 
 use crate::UNITS_PER_SECOND;
 use friction::FrictionLaw;
-use plant::{Hand, NoHand, Rig, RigConfig, Sensors, Truth};
+use plant::{Bench, Hand, NoHand, Rig, RigConfig, Sensors, Truth, Wiring};
 use std::collections::VecDeque;
 
 /// N per step of the DAC, whose code 2048 is no force: how the amplifier is wired and set.
@@ -17,6 +17,8 @@ const CHUNK: u64 = CHUNK_TICKS as u64 * UNITS_PER_TICK;
 trait AnyRig: Send {
     fn tick(&mut self, force: f64, hand: &mut dyn Hand) -> Sensors;
     fn truth(&self) -> Truth;
+    fn config(&self) -> RigConfig;
+    fn reconfigure(&mut self, config: RigConfig) -> Result<(), friction::Invalid>;
 }
 
 impl<L> AnyRig for Rig<L>
@@ -30,6 +32,14 @@ where
 
     fn truth(&self) -> Truth {
         Rig::truth(self)
+    }
+
+    fn config(&self) -> RigConfig {
+        *Rig::config(self)
+    }
+
+    fn reconfigure(&mut self, config: RigConfig) -> Result<(), friction::Invalid> {
+        Rig::reconfigure(self, config)
     }
 }
 
@@ -82,6 +92,15 @@ impl World {
 
     pub fn set_hand(&mut self, hand: Box<dyn Hand + Send>) {
         self.hand = hand;
+    }
+
+    pub fn rewire(&mut self, wiring: Wiring) {
+        // nothing else changes, so nothing can be out of range
+        let _ = self.rig.reconfigure(RigConfig { wiring, ..self.rig.config() });
+    }
+
+    pub fn put_on_bench(&mut self, bench: Bench) -> Result<(), friction::Invalid> {
+        self.rig.reconfigure(RigConfig { bench, ..self.rig.config() })
     }
 
     pub fn truth(&self) -> Truth {

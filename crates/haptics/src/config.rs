@@ -2,6 +2,7 @@
 
 use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
+use crate::silence;
 use crate::{Biquad, Device, RendererKind, Settings};
 use friction::Law;
 use friction::effects::Effect;
@@ -26,6 +27,7 @@ pub struct Config {
     pub(crate) period_ticks: u32,
     pub(crate) low_pass: Biquad,
     pub(crate) timing: Timing,
+    pub(crate) silence: silence::Bounds,
 }
 
 impl Config {
@@ -46,6 +48,7 @@ impl Config {
             period_ticks: device.period_ticks(),
             low_pass: Biquad::low_pass(device.command_cutoff_hz, device.period),
             timing: Timing::new(device.period),
+            silence: silence::Bounds::new(device),
         }
     }
 

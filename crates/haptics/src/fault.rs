@@ -54,19 +54,29 @@ kinds! {
         /// Position beyond the stroke while force was on.
         EndOfStroke = 2, "end_of_stroke", "the handle ran to the end of its stroke; move it back inside";
         /// Counts that no acceleration of this device explains.
-        EncoderJump = 3, "encoder_jump", "the encoder moved more than physics allows in one period; check its cable";
+        EncoderJump = 3, "encoder_jump", "the encoder moved more than physics allows in one period; check its cable and shield";
         /// A converter at the end of its scale.
         SensorRail = 4, "sensor_rail", "load cell or accelerometer is at the end of its scale; check cable and load";
         /// NaN or infinity in the loop.
         NonFinite = 5, "non_finite", "the control law gave a force that is not a number; choose another preset";
         /// A sample that came too late or too early.
-        MissedDeadline = 6, "missed_deadline", "a control period was missed; the processor was kept from its step";
+        MissedDeadline = 6, "missed_deadline", "a control period was missed: something kept the processor from its step; if it comes again, report it";
         /// The host promised to be there and is not.
-        HostSilent = 7, "host_silent", "the host stopped talking within the time it had promised";
+        HostSilent = 7, "host_silent", "nothing came over the serial line for too long while the handle was driven; check host and cable, see `watch`";
         /// Raised by the board: amplifier, supply, watchdog.
         Hardware = 8, "hardware", "the board reported a fault of amplifier, supply or watchdog";
         /// A person asked for it.
-        EmergencyStop = 9, "emergency_stop", "the emergency stop was pressed";
+        EmergencyStop = 9, "emergency_stop", "the emergency stop was pressed, or its wire is broken; release it";
+        /// Force and acceleration say motion, the encoder says rest.
+        EncoderSilent = 10, "encoder_silent", "force and acceleration say that the handle moves, the encoder says rest; check its cable and supply";
+        /// The supply fell below what the chip needs.
+        BrownOut = 11, "brown_out", "the 3.3 V supply broke down; check the USB power or the regulator, and what the amplifier draws";
+        /// The firmware gave up on a contradiction in itself.
+        Panic = 12, "panic", "the firmware met a contradiction in itself and restarted; report what was done before";
+        /// The loop had stopped.
+        Watchdog = 13, "watchdog", "the control loop had stopped and the watchdog restarted the chip; if it comes again, report it";
+        /// A fault exception of the processor.
+        Crash = 14, "crash", "the processor met an address or instruction that cannot be and restarted; report what was done before";
     }
 }
 

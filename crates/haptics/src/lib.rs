@@ -37,6 +37,7 @@ mod presets;
 pub mod renderer;
 mod safety;
 pub mod settings;
+mod silence;
 mod step;
 pub mod streaming_identify;
 mod verdict;

@@ -1,5 +1,6 @@
 //! The checks that withdraw force. Each is one comparison against a constant of the [`Device`].
 
+use crate::silence::{Bounds, Silence};
 use crate::{Device, FaultKind, Inputs};
 
 /// Samples in a row at a rail before it is a fault: an impact saturates the accelerometer for a sample or two.
@@ -16,6 +17,8 @@ pub(crate) struct Motion {
     pub elapsed: Option<u32>,
     /// The handle is driven, not held: the end of the stroke is to be avoided, not only detected.
     pub driven: bool,
+    /// Force of the step before, N.
+    pub command: f32,
 }
 
 /// What the checks remember.
@@ -25,6 +28,7 @@ pub(crate) struct Guard {
     rails: u8,
     /// Steps until the host's promise is broken; `None`: no promise.
     host: Option<u32>,
+    silence: Silence,
 }
 
 impl Guard {
@@ -33,11 +37,22 @@ impl Guard {
         self.host = if steps == 0 { None } else { Some(steps) };
     }
 
+    /// The handle moves although the encoder does not say so.
+    pub(crate) fn moves_unseen(&self, silence: &Bounds) -> bool {
+        self.silence.moves(silence)
+    }
+
+    /// See [`Silence::share`].
+    pub(crate) fn unseen(&self, silence: &Bounds) -> f32 {
+        self.silence.share(silence)
+    }
+
     /// Runs every check; call once a step in every mode, so that the memory is right when force comes on.
     pub(crate) fn check(
         &mut self,
         device: &Device,
         period_ticks: u32,
+        silence: &Bounds,
         inputs: &Inputs,
         m: &Motion,
     ) -> Option<FaultKind> {
@@ -47,6 +62,7 @@ impl Guard {
         if let Some(left) = &mut self.host {
             *left = left.saturating_sub(1);
         }
+        let silent = self.silence.sample(silence, device, inputs, m.command);
         let half_stroke = 0.5 * device.stroke;
         // driven: stop 0.5 mm before the stops. Held by a hand: stops are reached in normal use, 1 mm beyond is not.
         let limit = if m.driven { half_stroke - 0.5e-3 } else { half_stroke + 1e-3 };
@@ -64,6 +80,8 @@ impl Guard {
             Some(FaultKind::EndOfStroke)
         } else if self.rails >= RAIL_SAMPLES {
             Some(FaultKind::SensorRail)
+        } else if silent {
+            Some(FaultKind::EncoderSilent)
         } else if self.host == Some(0) {
             Some(FaultKind::HostSilent)
         } else {

@@ -86,6 +86,13 @@ impl State {
         self.sums.as_ref()
     }
 
+    /// Change of speed that the accelerometer says and the encoder does not, as a share of what is the fault
+    /// `encoder_silent` (if the force says so, too).
+    #[must_use]
+    pub fn unseen_motion(&self, config: &Config) -> f32 {
+        self.guard.unseen(&config.silence)
+    }
+
     /// The velocity estimator.
     #[must_use]
     pub fn estimator(&self) -> &Estimator {
@@ -120,7 +127,7 @@ impl State {
                 self.guard.watch((seconds * config.timing.rate) as u32);
                 Ok(())
             }
-            Request::ClearFault => self.clear(device, inputs, handle),
+            Request::ClearFault => self.clear(config, inputs, handle),
             Request::Stop => {
                 match &mut self.mode {
                     Mode::Idle | Mode::Fault(_) => {}
@@ -166,7 +173,8 @@ impl State {
         }
     }
 
-    fn clear(&mut self, device: &Device, inputs: &Inputs, handle: &Handle) -> Result<(), Denied> {
+    fn clear(&mut self, config: &Config, inputs: &Inputs, handle: &Handle) -> Result<(), Denied> {
+        let device = &config.device;
         if !matches!(self.mode, Mode::Fault(_)) {
             return Ok(());
         }
@@ -177,7 +185,8 @@ impl State {
             return Err(Denied::OutsideStroke);
         }
         let load = device.load.to_si(inputs.load_code);
-        if !(handle.velocity.abs() <= device.rest_speed && load.abs() <= device.rest_force) {
+        let still = handle.velocity.abs() <= device.rest_speed && !self.guard.moves_unseen(&config.silence);
+        if !(still && load.abs() <= device.rest_force) {
             return Err(Denied::NotAtRest);
         }
         self.guard.watch(0);
@@ -224,8 +233,9 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         displacement: handle.displacement,
         elapsed,
         driven,
+        command: state.force,
     };
-    let trip = state.guard.check(device, config.period_ticks, inputs, &motion);
+    let trip = state.guard.check(device, config.period_ticks, &config.silence, inputs, &motion);
     let command = match (command, trip) {
         (Some(_), Some(kind)) => Err(Some(kind)),
         (Some(force), None) => safety::clamp(force, device.force_max).ok_or(Some(FaultKind::NonFinite)),
@@ -283,6 +293,8 @@ fn run_mode(
                 }
             }
             if command.is_none() {
+                // the promise was for this motion
+                state.guard.watch(0);
                 state.mode = Mode::Idle;
             }
             command

@@ -39,6 +39,8 @@ pub enum Command<'a> {
     Identify,
     /// `selftest`
     SelfTest,
+    /// `watch [SECONDS]`: how long the host may be silent while it drives the handle; 0: for ever.
+    Watch(Option<f32>),
 }
 
 /// `preset …`
@@ -145,6 +147,7 @@ impl<'a> Command<'a> {
             "render" => Self::Render(on_off(words.next()?)?),
             "move" => Self::Move(motion(&mut words)?),
             "stream" => Self::Stream(stream(&mut words)?),
+            "watch" => Self::Watch(watch(&mut words)?),
             _ => return Err(BadCommand::Unknown(word)),
         };
         words.end()?;
@@ -199,6 +202,18 @@ fn stream<'a>(words: &mut Words<'a>) -> Result<u32, BadCommand<'a>> {
     number.ok_or(BadCommand::NotANumber("DECIMATION", text, DECIMATION))
 }
 
+const WATCH: &str = "a number of seconds from 0.1 to 3600, or 0 for no watch";
+
+fn watch<'a>(words: &mut Words<'a>) -> Result<Option<f32>, BadCommand<'a>> {
+    let Some(text) = words.rest.next() else { return Ok(None) };
+    let seconds = finite("SECONDS", text, WATCH)?;
+    if seconds == 0.0 || (0.1..=3600.0).contains(&seconds) {
+        Ok(Some(seconds))
+    } else {
+        Err(BadCommand::NotANumber("SECONDS", text, WATCH))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,6 +247,9 @@ mod tests {
             ("stream off", Command::Stream(0)),
             ("identify", Command::Identify),
             ("selftest", Command::SelfTest),
+            ("watch", Command::Watch(None)),
+            ("watch 0", Command::Watch(Some(0.0))),
+            ("watch 2.5", Command::Watch(Some(2.5))),
         ] {
             assert_eq!(Command::parse(line), Ok(Some(expected)), "{line}");
         }
@@ -248,6 +266,11 @@ mod tests {
             ("move sine 0.01 NaN", "VALUE", "FREQ = `NaN`: accepted is a finite number of hertz"),
             ("move square 1 1", "SYNTAX", "`square`: accepted are sine, multisine, chirp, triangle, dwell"),
             ("stream on 0", "VALUE", "DECIMATION = `0`: accepted is a whole number from 1 to 1000"),
+            (
+                "watch -1",
+                "VALUE",
+                "SECONDS = `-1`: accepted is a number of seconds from 0.1 to 3600, or 0 for no watch",
+            ),
             ("set dv", "SYNTAX", "a word is missing; accepted is `set PARAM VALUE`"),
         ] {
             let bad = Command::parse(line).unwrap_err();

@@ -30,11 +30,12 @@ pub const HELP: &[HelpLine] = &[
     line("get [PARAM]", "one parameter, or all of them"),
     line(
         "move WAVE AMP FREQ [SECONDS]",
-        "drives the handle by sine, multisine, chirp, triangle, dwell; m, Hz, s",
+        "drives the handle by sine, multisine, chirp, triangle, dwell; m, Hz, s; see `watch`",
     ),
     line("stop", "ends what runs; a motion ramps out"),
     line("stream on|off [DECIMATION]", "binary frames, one every so many control periods"),
     line("identify", "the thesis's procedure on the device: 12 s, keep off the handle"),
+    line("watch [SECONDS]", "how long the host may say nothing while it drives the handle; 0: for ever"),
     line("status", "state, preset, handle, force, losses"),
     line("fault", "the latched fault and what to do"),
     line("clear", "leaves the fault state; handle at rest, hands off"),

@@ -1,6 +1,6 @@
 //! What a rig is made of. Settings are checked once, by [`RigConfig::validate`], before a rig is built.
 
-use crate::Calibration;
+use crate::{Bench, Calibration, Wiring};
 use friction::{Invalid, in_range};
 
 /// How the block hangs on the device.
@@ -42,6 +42,8 @@ pub struct RigConfig {
     pub device_friction_n: f64,
     /// Mass of the block, kg. 0: no block, the handle is free and the law is not asked.
     pub block_mass: f64,
+    /// Mass of the handle beyond the load cell while there is no block on it, kg; a part of `device_mass`.
+    pub handle_mass: f64,
     /// Normal load on the block's surface, N. `None`: the weight of the block.
     pub normal_load: Option<f64>,
     /// Connection between device and block.
@@ -72,6 +74,10 @@ pub struct RigConfig {
     pub accel: Sensor,
     /// Where the handle is at t = 0, m.
     pub start_position: f64,
+    /// Mistakes of wiring.
+    pub wiring: Wiring,
+    /// What is put on the sensors for a calibration.
+    pub bench: Bench,
 }
 
 impl RigConfig {
@@ -85,7 +91,14 @@ impl RigConfig {
     /// The thesis's rig without block and without friction of its own: a mass and a damper.
     #[must_use]
     pub fn free_handle() -> Self {
-        Self { block_mass: 0.0, device_friction_p: 0.0, device_friction_n: 0.0, ..Self::default() }
+        Self {
+            block_mass: 0.0,
+            device_friction_p: 0.0,
+            device_friction_n: 0.0,
+            // assumed: a knob in the place of the block
+            handle_mass: 0.05,
+            ..Self::default()
+        }
     }
 
     /// Length of a control period, s.
@@ -110,6 +123,7 @@ impl RigConfig {
         in_range("device_friction_p", self.device_friction_p, 0.0, 1e3)?;
         in_range("device_friction_n", self.device_friction_n, 0.0, 1e3)?;
         in_range("block_mass", self.block_mass, 0.0, 1e3)?;
+        in_range("handle_mass", self.handle_mass, 0.0, self.device_mass)?;
         if let Some(normal_load) = self.normal_load {
             in_range("normal_load", normal_load, 0.0, 1e5)?;
         }
@@ -138,6 +152,8 @@ impl RigConfig {
             in_range(names[2], sensor.offset, -1e6, 1e6)?;
         }
         in_range("start_position", self.start_position, -1e3, 1e3)?;
+        in_range("bench.weight", self.bench.weight, -1e4, 1e4)?;
+        in_range("bench.gravity", self.bench.gravity, -1e3, 1e3)?;
         self.validate_springs()
     }
 
@@ -171,6 +187,7 @@ impl Default for RigConfig {
             device_friction_p: 1.04,
             device_friction_n: 0.69,
             block_mass: 0.419,
+            handle_mass: 0.0,
             normal_load: None,
             coupling: Coupling::Rigid,
             force_max: Some(9.48),
@@ -186,6 +203,8 @@ impl Default for RigConfig {
             load: Sensor { noise: 0.062, gain: 1.0, offset: 0.0 },
             accel: Sensor { noise: 0.2379, gain: 1.0, offset: 0.0 },
             start_position: 0.0,
+            wiring: Wiring::default(),
+            bench: Bench::default(),
         }
     }
 }

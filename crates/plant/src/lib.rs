@@ -25,6 +25,7 @@ mod noise;
 mod rig;
 mod thesis;
 mod truth;
+mod wiring;
 mod zoh;
 
 pub use calibration::{Calibration, Channel};
@@ -34,4 +35,5 @@ pub use layered::{Layered, LayeredState, MAX_EFFECTS};
 pub use rig::Rig;
 pub use thesis::{Excitation, MeasurementNoise, Series, ThesisExperiment, thesis_recording};
 pub use truth::{Sensors, Truth};
+pub use wiring::{Bench, Wire, Wiring};
 pub use zoh::Zoh;

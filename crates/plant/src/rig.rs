@@ -3,7 +3,7 @@
 use crate::contact::{Body, Surface, finite};
 use crate::encoder::{Encoder, Segment};
 use crate::noise::Noise;
-use crate::{Coupling, Hand, RigConfig, Sensors, Truth, Zoh};
+use crate::{Coupling, Hand, RigConfig, Sensors, Truth, Wire, Zoh};
 use friction::{FrictionLaw, Invalid};
 
 /// Step over which a law is asked for its force at one instant, s.
@@ -115,6 +115,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         if let Some(limit) = self.config.force_max {
             actuator = actuator.clamp(-limit, limit);
         }
+        actuator = self.config.wiring.amplifier.pass(actuator).unwrap_or(0.0);
         self.truth.actuator_force = actuator;
 
         let h = self.config.substep();
@@ -373,10 +374,15 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         truth.acceleration = acceleration;
         truth.block_position = self.block.position;
         truth.block_velocity = self.block.velocity;
-        truth.force_at_load_cell = at_load_cell;
+        truth.hand_force = hand_force - self.hand_mass * acceleration;
+        // without a block the handle hangs on the load cell, and with it whoever holds it
+        truth.force_at_load_cell = if self.config.block_mass > 0.0 {
+            at_load_cell
+        } else {
+            self.config.handle_mass * acceleration - truth.hand_force
+        };
         truth.friction = block_friction;
         truth.device_friction = friction.guide;
-        truth.hand_force = hand_force - self.hand_mass * acceleration;
         truth.stop_force = stop_force;
         truth.stuck = self.config.block_mass > 0.0 && self.block.velocity == 0.0;
     }
@@ -386,13 +392,21 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         let calibration = &self.config.calibration;
         let nominal = |periods: u64| (periods as u32).wrapping_mul(self.config.period_ticks);
         let period_start = nominal(self.periods.saturating_sub(1));
+        let wiring = &self.config.wiring;
         let (count, edge_ticks) = self.encoder.read(period_start, f64::from(calibration.tick_hz));
-        let load = self.truth.force_at_load_cell * self.config.load.gain
+        let (count, edge_ticks) = match wiring.encoder {
+            Wire::Right => (count, edge_ticks),
+            Wire::Swapped => (count.wrapping_neg(), edge_ticks),
+            Wire::Dead => (self.sensors.count, self.sensors.edge_ticks),
+        };
+        let load = (self.truth.force_at_load_cell + self.config.bench.weight) * self.config.load.gain
             + self.config.load.offset
             + self.load_noise.draw(self.config.load.noise);
-        let accel = self.truth.acceleration * self.config.accel.gain
+        let load = wiring.load.pass(load).unwrap_or(0.0);
+        let accel = (self.truth.acceleration + self.config.bench.gravity) * self.config.accel.gain
             + self.config.accel.offset
             + self.accel_noise.draw(self.config.accel.noise);
+        let accel = wiring.accel.pass(accel).unwrap_or(0.0);
         Sensors {
             sample_ticks: nominal(self.periods).wrapping_add(self.jitter as u32),
             count,

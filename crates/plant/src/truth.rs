@@ -16,7 +16,8 @@ pub struct Truth {
     pub block_position: f64,
     /// Velocity of the block, m/s.
     pub block_velocity: f64,
-    /// Force that acted between device and block, N: m_block·a + friction of the block.
+    /// Force that acted between device and block, N: m_block·a + friction of the block. Without a block the handle
+    /// is in its place: m_handle·a less the force of the hand on it.
     pub force_at_load_cell: f64,
     /// Friction of the block, N, positive against positive motion.
     pub friction: f64,

@@ -19,6 +19,10 @@ use std::time::{Duration, Instant};
 
 /// Time before a recording begins, while the excitation ramps in and settles, s.
 pub(crate) const WARM_UP_S: f64 = 1.5;
+/// Silence after which the device lets go of a handle it moves for this recording, s.
+const WATCH_S: u32 = 2;
+/// Samples are heard this long before the device is told so, s.
+const ALIVE_S: f64 = 0.25;
 /// Silence on the line after which the stream is given up.
 const SILENCE: Duration = Duration::from_secs(2);
 
@@ -66,7 +70,11 @@ fn watch_ctrl_c() {
 pub(crate) fn record(session: &mut Session, plan: &Plan, path: &Path) -> Result<Recorded> {
     files::check_writable(path)?;
     watch_ctrl_c();
+    let mut watch = None;
     let warm_up = if let Some(motion) = &plan.motion {
+        // how long the device waits for a host is the user's choice: it is put back afterwards
+        watch = session.command("watch")?.split_whitespace().nth(2).map(str::to_owned);
+        session.command(&format!("watch {WATCH_S}"))?;
         let length = plan.seconds + WARM_UP_S + 0.1;
         session.command(&format!(
             "move {} {} {} {length}",
@@ -82,6 +90,10 @@ pub(crate) fn record(session: &mut Session, plan: &Plan, path: &Path) -> Result<
     let outcome = take(session, plan, path, warm_up);
     // The device is left quiet whatever happened; the first failure is the one to tell.
     let quiet = session.command("stream off").and_then(|_| session.command("stop"));
+    let quiet = match watch.map(|seconds| if seconds.starts_with("off") { "0".to_owned() } else { seconds }) {
+        Some(seconds) => quiet.and_then(|_| session.command(&format!("watch {seconds}"))),
+        None => quiet,
+    };
     let recorded = outcome.map_err(|failure| {
         let part = files::part(path);
         if part.exists() {
@@ -101,6 +113,7 @@ fn take(session: &mut Session, plan: &Plan, path: &Path, warm_up: f64) -> Result
     let mut lost = 0;
     let mut heard = Instant::now();
     let mut last = 0.0;
+    let mut told = f64::NEG_INFINITY;
     loop {
         let events = session.poll()?;
         if heard.elapsed() > SILENCE {
@@ -129,6 +142,10 @@ fn take(session: &mut Session, plan: &Plan, path: &Path, warm_up: f64) -> Result
                         ));
                     }
                     let time = sample.point.time - warm_up;
+                    if time - told > ALIVE_S {
+                        told = time;
+                        session.send_line("")?;
+                    }
                     if time < -1e-9 {
                         continue;
                     }
