@@ -6,6 +6,9 @@ use crate::{Device, FaultKind, Inputs};
 /// Samples in a row at a rail before it is a fault: an impact saturates the accelerometer for a sample or two.
 const RAIL_SAMPLES: u8 = 3;
 
+/// Highest code: 12-bit conversions summed 16 times.
+const TOP_CODE: u16 = 65_520;
+
 /// What one step knows of the motion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Motion {
@@ -62,7 +65,7 @@ impl Guard {
         if let Some(left) = &mut self.host {
             *left = left.saturating_sub(1);
         }
-        let silent = self.silence.sample(silence, device, inputs, m.command);
+        let silent = self.silence.sample(silence, inputs, m.command);
         let half_stroke = 0.5 * device.stroke;
         // driven: stop 0.5 mm before the stops. Held by a hand: stops are reached in normal use, 1 mm beyond is not.
         let limit = if m.driven { half_stroke - 0.5e-3 } else { half_stroke + 1e-3 };
@@ -92,10 +95,10 @@ impl Guard {
 
 /// Either converter is at an end of its scale.
 pub(crate) fn at_rail(device: &Device, inputs: &Inputs) -> bool {
-    // 12-bit conversions summed 16 times end at 65 520: the upper rail begins below that
     let low = device.rail_codes;
-    let high = 65_520_u16.saturating_sub(device.rail_codes);
-    [inputs.load_code, inputs.accel_code].iter().any(|&code| code < low || code > high)
+    // one comparison for both ends: below `low` the difference wraps
+    let span = TOP_CODE.saturating_sub(low).saturating_sub(low);
+    inputs.load_code.wrapping_sub(low) > span || inputs.accel_code.wrapping_sub(low) > span
 }
 
 /// The command that may leave the step: within ±`force_max`, or `None` when it is not a number.

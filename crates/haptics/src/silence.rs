@@ -24,33 +24,36 @@ const MEMORY_S: f32 = 0.1;
 /// Offsets are followed with this time constant, s: slow against every motion that is accelerated.
 const DRIFT_S: f32 = 4.0;
 /// Samples of silence before anything is said: a single wild one is not motion.
-const SAMPLES: u8 = 3;
+const SAMPLES: u32 = 3;
 
-/// The bounds in what a step sums up: samples instead of seconds, so that it does not divide.
+/// The bounds in what a step sums up, codes and samples: a step neither divides nor converts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bounds {
-    /// Share of the sums lost in a period.
-    leak: f32,
+    /// Share of the sums kept in a period.
+    keep: f32,
     /// Share of an offset learned in a period.
     drift: f32,
-    /// [`SPEED`] in m/s² · periods.
+    /// Codes of the load cell in a newton.
+    code_per_newton: f32,
+    /// [`SPEED`], accelerometer codes · periods.
     speed: f32,
-    /// Net force that must go with a unit of acceleration, kg.
-    mass: f32,
+    /// Load cell codes that must go with a code of the accelerometer.
+    share: f32,
 }
 
 impl Bounds {
     pub fn new(device: &Device) -> Self {
         Self {
-            leak: device.period / MEMORY_S,
+            keep: 1.0 - device.period / MEMORY_S,
             drift: device.period / DRIFT_S,
-            speed: SPEED / device.period,
-            mass: SHARE * device.mass,
+            code_per_newton: 1.0 / device.load.unit_per_code,
+            speed: SPEED / (device.period * device.accel.unit_per_code),
+            share: SHARE * device.mass * device.accel.unit_per_code / device.load.unit_per_code,
         }
     }
 }
 
-/// A signal without its offset, summed up since the last count.
+/// A signal without its offset, summed up since the last count, codes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Sum {
     offset: f32,
@@ -59,52 +62,56 @@ struct Sum {
 
 impl Sum {
     #[inline]
-    fn add(&mut self, value: f32, learn: f32, bounds: &Bounds) {
+    fn learn(&mut self, value: f32, learn: f32) -> f32 {
         let rest = value - self.offset;
         self.offset += learn * rest;
-        self.sum += rest - bounds.leak * self.sum;
+        rest
     }
 }
 
 /// What is remembered of the silence.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Silence {
     /// Count around which there is silence.
     around: u32,
-    /// Samples of silence, saturating.
-    samples: u8,
-    /// Share of an offset learned in this period: 1/n at the n-th sample, so that it is the mean of all there were,
-    /// until it comes down to that of [`DRIFT_S`]. 0 before the first sample.
+    /// Samples of silence; wraps.
+    samples: u32,
+    /// Share of an offset learned with a sample: all with the first, then less and less (2/n) down to that of
+    /// [`DRIFT_S`].
     learn: f32,
     acceleration: Sum,
     force: Sum,
 }
 
+impl Default for Silence {
+    fn default() -> Self {
+        Self { around: 0, samples: 0, learn: 1.0, acceleration: Sum::default(), force: Sum::default() }
+    }
+}
+
 impl Silence {
     /// One sample; `command` is the force of the step before, N. True while the handle moves unseen.
     #[inline]
-    pub fn sample(&mut self, bounds: &Bounds, device: &Device, inputs: &Inputs, command: f32) -> bool {
-        let acceleration = device.accel.to_si(inputs.accel_code);
-        let force = command - device.load.to_si(inputs.load_code);
-        if self.learn == 0.0 {
-            self.learn = 0.5;
-            self.around = inputs.count;
-            (self.acceleration.offset, self.force.offset) = (acceleration, force);
-        } else if self.learn > bounds.drift {
-            self.learn -= self.learn * self.learn;
+    pub fn sample(&mut self, bounds: &Bounds, inputs: &Inputs, command: f32) -> bool {
+        let acceleration = f32::from(inputs.accel_code);
+        let force = command * bounds.code_per_newton - f32::from(inputs.load_code);
+        let learn = self.learn;
+        let acceleration = self.acceleration.learn(acceleration, learn);
+        let force = self.force.learn(force, learn);
+        if learn > bounds.drift {
+            self.learn = learn - 0.5 * learn * learn;
         }
-        self.acceleration.add(acceleration, self.learn, bounds);
-        self.force.add(force, self.learn, bounds);
         // one count to and fro is what a dead channel of the two gives, and noise on an edge
-        if inputs.count.wrapping_sub(self.around).wrapping_add(1) <= 2 {
-            self.samples = self.samples.saturating_add(1);
-            self.samples > SAMPLES && self.moves(bounds)
-        } else {
+        if inputs.count.wrapping_sub(self.around).wrapping_add(1) > 2 {
             self.around = inputs.count;
             self.samples = 0;
             (self.acceleration.sum, self.force.sum) = (0.0, 0.0);
-            false
+            return false;
         }
+        self.samples = self.samples.wrapping_add(1);
+        self.acceleration.sum = bounds.keep * self.acceleration.sum + acceleration;
+        self.force.sum = bounds.keep * self.force.sum + force;
+        self.samples > SAMPLES && self.moves(bounds)
     }
 
     /// Speed that the accelerometer says and no count, as a share of what would be a fault.
@@ -116,10 +123,7 @@ impl Silence {
     #[inline]
     pub fn moves(&self, bounds: &Bounds) -> bool {
         let (speed, momentum) = (self.acceleration.sum, self.force.sum);
-        if speed > 0.0 {
-            speed > bounds.speed && momentum >= bounds.mass * speed
-        } else {
-            speed < -bounds.speed && momentum <= bounds.mass * speed
-        }
+        speed.abs() > bounds.speed
+            && if speed > 0.0 { momentum >= bounds.share * speed } else { momentum <= bounds.share * speed }
     }
 }
