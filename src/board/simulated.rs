@@ -392,10 +392,10 @@ impl VirtualDevice {
         &self.outputs
     }
 
-    /// The control loop.
+    /// What the control loop remembers.
     #[must_use]
-    pub fn control(&self) -> &haptics::Control {
-        self.control.control()
+    pub fn state(&self) -> &haptics::State {
+        self.control.state()
     }
 
     /// State of the machine.

@@ -63,9 +63,8 @@ struct Sum {
 impl Sum {
     #[inline]
     fn learn(&mut self, value: f32, learn: f32) -> f32 {
-        let rest = value - self.offset;
-        self.offset += learn * rest;
-        rest
+        self.offset += learn * (value - self.offset);
+        value - self.offset
     }
 }
 

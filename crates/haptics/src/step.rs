@@ -8,6 +8,7 @@ use crate::excitation::Drive;
 use crate::machine::{Fault, Mode, Request};
 use crate::renderer::{Contact, Handle, Rendered};
 use crate::safety::{self, Guard};
+use crate::silence::Bounds;
 use crate::streaming_identify::{Recorder, Sums};
 use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs};
 
@@ -89,8 +90,8 @@ impl State {
     /// Change of speed that the accelerometer says and the encoder does not, as a share of what is the fault
     /// `encoder_silent` (if the force says so, too).
     #[must_use]
-    pub fn unseen_motion(&self, config: &Config) -> f32 {
-        self.guard.unseen(&config.silence)
+    pub fn unseen_motion(&self, device: &Device) -> f32 {
+        self.guard.unseen(&Bounds::new(device))
     }
 
     /// The velocity estimator.
