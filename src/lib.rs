@@ -13,6 +13,7 @@
 
 pub mod app;
 pub mod board;
+pub mod presets;
 
 #[cfg(not(target_os = "none"))]
 pub use board::simulated::{VirtualConfig, VirtualDevice};

@@ -8,8 +8,10 @@ mod screen;
 use link::{Decoder, Item};
 use pty::Pty;
 use std::io::IsTerminal;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use tribos_firmware::board::simulated::flash::SimulatedFlash;
 use tribos_firmware::{VirtualConfig, VirtualDevice};
 
 const USAGE: &str = "\
@@ -17,6 +19,7 @@ The tribos firmware on a simulated rig: commands on standard input, and on a pse
 
     cargo run --release                 at a terminal: live, with a simulated hand on the handle
     cargo run --release < commands      answers each command, ends with the input
+    cargo run --release -- --presets FILE   keeps the saved presets in this file
 
 `help` lists the commands of the device. `cargo tribos demo` tells the whole story.";
 
@@ -24,22 +27,24 @@ The tribos firmware on a simulated rig: commands on standard input, and on a pse
 const CATCH_UP: Duration = Duration::from_millis(250);
 
 pub fn main() -> ExitCode {
-    let argument = std::env::args().nth(1);
-    match argument.as_deref() {
-        None => {}
-        Some("-h" | "--help") => {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let flash = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => Ok(SimulatedFlash::default()),
+        ["-h" | "--help"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;
         }
-        Some(other) => {
-            eprintln!("`{other}`: accepted is no argument, or --help");
-            return ExitCode::from(2);
-        }
-    }
-    let device = match VirtualDevice::new(&VirtualConfig::default()) {
+        ["--presets", file] => SimulatedFlash::open(Path::new(file)).map_err(|e| format!("{file}: {e}")),
+        ["--presets"] => Err("--presets: the name of a file is missing".to_owned()),
+        [other, ..] => Err(format!("`{other}`: accepted is no argument, --presets FILE, or --help")),
+    };
+    let device = flash.and_then(|flash| {
+        VirtualDevice::with_flash(&VirtualConfig::default(), flash).map_err(|unfit| unfit.to_string())
+    });
+    let device = match device {
         Ok(device) => device,
-        Err(unfit) => {
-            eprintln!("{unfit}");
+        Err(why) => {
+            eprintln!("{why}");
             return ExitCode::from(2);
         }
     };

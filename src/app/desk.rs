@@ -1,20 +1,21 @@
 //! The tasks' side: takes bytes, obeys commands, gives answers, news and frames.
 
+mod presets;
+
 use super::answer::{self, Line, Named, Pending};
 use super::listing::Listing;
 use super::selftest::SelfTest;
 use super::stream::Stream;
 use super::{DeskEnds, FaultReport, Output, Report, Telemetry};
 use crate::board::Board;
+use crate::presets::NotStored;
 use core::fmt::Write;
 use haptics::{Config, Device, FaultKind, ModeId, Procedure, Refused, Request, Settings, Sums};
-use link::{BadLine, Command, LineEditor, MAX_LINE, Name, PresetCommand, PresetStore};
+use link::{BadLine, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, PresetStore};
 use ringbuf::traits::{Consumer, Producer};
 
 /// Preset after a start, unless another is the default.
 const FIRST: &str = "brass";
-/// Preset made of what the device identified.
-const IDENTIFIED: &str = "identified";
 /// How long the control loop may take to handle a request, ms.
 const PATIENCE_MS: u32 = 500;
 /// How long the host may be silent while it drives the handle, unless `watch` says otherwise, s: an identification
@@ -31,6 +32,9 @@ pub struct Desk {
     /// The settings differ from the preset.
     changed: bool,
     presets: PresetStore,
+    saving: Option<presets::Saving>,
+    /// Why presets do not last on this device.
+    unusable: Option<NotStored>,
     editor: LineEditor,
     output: Output,
     /// A request was sent, an answer is owed; when it was sent, ms.
@@ -59,6 +63,8 @@ impl Desk {
             preset: Name::try_from(FIRST).unwrap_or_default(),
             changed: false,
             presets: PresetStore::new(),
+            saving: None,
+            unusable: None,
             editor: LineEditor::new(),
             output: Output::new(),
             pending: None,
@@ -96,7 +102,11 @@ impl Desk {
     /// A command is not answered yet, or its answer not yet said.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.pending.is_some() || self.listing.is_some() || self.selftest.is_some() || self.output.is_behind()
+        self.pending.is_some()
+            || self.saving.is_some()
+            || self.listing.is_some()
+            || self.selftest.is_some()
+            || self.output.is_behind()
     }
 
     /// The control period seen last.
@@ -146,6 +156,7 @@ impl Desk {
             self.err("NO_ANSWER", "the control loop does not run; see `fault`, or restart the device");
         }
         self.promise(board.now_ms(), ends);
+        self.poll_saving(board);
         self.list(board);
     }
 
@@ -225,10 +236,10 @@ impl Desk {
                 line.clear();
                 let settings = found.to_settings(&self.settings, &self.device);
                 let _ = match settings.validate(&self.device) {
-                    Ok(_) => match self.presets.save(IDENTIFIED, &settings) {
-                        Ok(()) => write!(line, "! preset {IDENTIFIED}: `preset use {IDENTIFIED}` renders it"),
-                        Err(full) => write!(line, "! no preset made of it: {full}"),
-                    },
+                    Ok(_) => {
+                        self.presets.set_identified(&settings);
+                        write!(line, "! preset {IDENTIFIED}: `preset use {IDENTIFIED}` renders it")
+                    }
                     Err(refused) => write!(line, "! not a preset this device can render: {refused}"),
                 };
             }
@@ -423,52 +434,6 @@ impl Desk {
                 Err(_) => self.busy(),
             },
             Err(refused) => self.err("REFUSED", refused),
-        }
-    }
-
-    fn preset_command(
-        &mut self,
-        command: PresetCommand<'_>,
-        now: u32,
-        ends: &mut DeskEnds<'_>,
-        board: &mut impl Board,
-    ) {
-        let done = match command {
-            PresetCommand::List => {
-                let mut line = Line::new();
-                let _ = line.write_str("ok");
-                let _ = self.presets.names().try_for_each(|name| write!(line, " {name}"));
-                let changed = if self.changed { " (changed)" } else { "" };
-                let _ = write!(line, "; active {}{changed}", self.preset);
-                if let Some(name) = self.presets.default_name() {
-                    let _ = write!(line, "; default {name}");
-                }
-                return self.say(&line);
-            }
-            PresetCommand::Show(name) => match self.presets.find(name) {
-                Ok(settings) => {
-                    return self.begin_list(format_args!("{name}"), Listing::Parameters(settings), board);
-                }
-                Err(e) => Err(e),
-            },
-            PresetCommand::Use(name) => match self.presets.find(name) {
-                Ok(settings) => {
-                    let key = Name::try_from(name).unwrap_or_default();
-                    return self.configure(settings, Named::Preset(key), now, ends);
-                }
-                Err(e) => Err(e),
-            },
-            PresetCommand::Save(name) => {
-                self.presets.save(name, &self.settings).map(|()| (name, "saved until the device restarts"))
-            }
-            PresetCommand::Delete(name) => self.presets.delete(name).map(|()| (name, "deleted")),
-            PresetCommand::Default(name) => {
-                self.presets.set_default(name).map(|()| (name, "is the default until the device restarts"))
-            }
-        };
-        match done {
-            Ok((name, what)) => self.ok(format_args!("{name} {what}")),
-            Err(e) => self.err(e.code(), e),
         }
     }
 

@@ -6,6 +6,7 @@ pub mod nucleo_g474re;
 #[cfg(not(target_os = "none"))]
 pub mod simulated;
 
+use crate::presets::NotStored;
 use core::fmt::Write;
 use haptics::Device;
 use link::HelpLine;
@@ -23,6 +24,15 @@ pub trait Board {
 
     /// Control steps whose force came out late.
     fn late_steps(&self) -> u32;
+
+    /// Begins to store an item of the presets; one at a time.
+    fn store(&mut self, key: u8, item: &[u8]);
+
+    /// How that went, once.
+    fn stored(&mut self) -> Option<Result<(), NotStored>>;
+
+    /// How long what is stored lasts: “in flash”.
+    fn lasting(&self) -> &str;
 
     /// Commands that only this board has.
     fn help(&self) -> &'static [HelpLine] {

@@ -43,12 +43,14 @@
 //! **Emergency stop.** Open for three periods: the enable pin falls in that very period, whatever the control step
 //! says, and the fault is raised every other period for as long as it lasts, so that `clear` cannot outlast it.
 
+pub mod flash;
 mod setup;
 
 pub use setup::ResetCause;
 
 use super::Board;
 use crate::app::{ControlEnds, ControlLoop};
+use crate::presets::NotStored;
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
@@ -289,6 +291,12 @@ impl Peripherals {
         }
     }
 
+    /// The pages of the flash for presets.
+    #[must_use]
+    pub fn pages(&mut self) -> flash::Pages {
+        flash::Pages::new()
+    }
+
     /// Starts the loop: from here on it runs in the control interrupt. Returns what the tasks need.
     pub fn start(self, control: ControlLoop, ends: ControlEnds<'static>) -> Rest {
         let Self { hardware, console, watchdog, led, reset_cause } = self;
@@ -334,6 +342,18 @@ impl Board for Nucleo {
 
     fn late_steps(&self) -> u32 {
         late_steps()
+    }
+
+    fn store(&mut self, key: u8, item: &[u8]) {
+        flash::store(key, item);
+    }
+
+    fn stored(&mut self) -> Option<Result<(), NotStored>> {
+        flash::stored()
+    }
+
+    fn lasting(&self) -> &str {
+        "in flash"
     }
 }
 

@@ -1,8 +1,13 @@
 //! The rig as a board, and the virtual device: the firmware application on it, in virtual time.
 
+pub mod flash;
+
 use super::Board;
 use crate::app::{ControlLoop, Desk, Queues};
+use crate::presets::{Library, NotStored};
 use core::fmt::Write;
+use embassy_futures::block_on;
+use flash::SimulatedFlash;
 use friction::effects::Effect;
 use friction::{Coulomb, Invalid, Karnopp, Law};
 use haptics::{Channel, Device, Inputs, ModeId, Outputs};
@@ -86,6 +91,9 @@ pub struct SimulatedBoard {
     hand: Holder,
     force: f64,
     periods: u64,
+    library: Library<SimulatedFlash>,
+    stored: Option<Result<(), NotStored>>,
+    lasting: String,
 }
 
 /// A surface that does nothing, for the rig without a block.
@@ -111,9 +119,15 @@ const HELP: &[HelpLine] = &[
 ];
 
 impl SimulatedBoard {
-    fn new(config: &VirtualConfig) -> Result<Self, Invalid> {
-        let rig = Rig::new(config.rig, NOTHING, config.seed)?;
-        Ok(Self { rig, hand: Holder::Nobody, force: 0.0, periods: 0 })
+    fn new(
+        config: &VirtualConfig,
+        flash: SimulatedFlash,
+        each: &mut dyn FnMut(u8, &[u8]),
+    ) -> Result<Self, Unfit> {
+        let rig = Rig::new(config.rig, NOTHING, config.seed).map_err(Unfit::Rig)?;
+        let lasting = flash.lasting();
+        let library = block_on(Library::open(flash, each)).map_err(Unfit::Presets)?;
+        Ok(Self { rig, hand: Holder::Nobody, force: 0.0, periods: 0, library, stored: None, lasting })
     }
 
     /// One period of the rig under the last force.
@@ -268,6 +282,18 @@ impl Board for SimulatedBoard {
         0
     }
 
+    fn store(&mut self, key: u8, item: &[u8]) {
+        self.stored = Some(block_on(self.library.store(key, item)));
+    }
+
+    fn stored(&mut self) -> Option<Result<(), NotStored>> {
+        self.stored.take()
+    }
+
+    fn lasting(&self) -> &str {
+        &self.lasting
+    }
+
     fn help(&self) -> &'static [HelpLine] {
         HELP
     }
@@ -311,6 +337,8 @@ pub enum Unfit {
     Rig(Invalid),
     /// The first preset cannot be rendered on it.
     Preset(haptics::Refused),
+    /// The flash for its presets cannot be used.
+    Presets(NotStored),
 }
 
 impl std::fmt::Display for Unfit {
@@ -318,6 +346,7 @@ impl std::fmt::Display for Unfit {
         match self {
             Self::Rig(invalid) => write!(f, "the simulated rig: {invalid}"),
             Self::Preset(refused) => write!(f, "the first preset on this rig: {refused}"),
+            Self::Presets(why) => write!(f, "the presets: {why}"),
         }
     }
 }
@@ -330,8 +359,22 @@ impl VirtualDevice {
     /// # Errors
     /// A parameter of the rig is out of range, or the first preset cannot be rendered on it.
     pub fn new(config: &VirtualConfig) -> Result<Self, Unfit> {
-        let board = SimulatedBoard::new(config).map_err(Unfit::Rig)?;
-        let desk = Desk::new(board.device());
+        Self::with_flash(config, SimulatedFlash::default())
+    }
+
+    /// Boots it with the presets that a flash holds.
+    ///
+    /// # Errors
+    /// As [`Self::new`], or the flash refuses to be repaired.
+    pub fn with_flash(config: &VirtualConfig, flash: SimulatedFlash) -> Result<Self, Unfit> {
+        let mut items = Vec::new();
+        let mut board =
+            SimulatedBoard::new(config, flash, &mut |key, item| items.push((key, item.to_vec())))?;
+        let mut desk = Desk::new(board.device());
+        for (key, item) in &items {
+            desk.load(*key, item);
+        }
+        desk.loaded(None, &mut board);
         let control = ControlLoop::new(desk.config().map_err(Unfit::Preset)?);
         Ok(Self {
             board,
@@ -342,6 +385,12 @@ impl VirtualDevice {
             output: Vec::new(),
             outputs: Outputs::default(),
         })
+    }
+
+    /// Takes the power away; the flash with the presets remains.
+    #[must_use]
+    pub fn power_off(self) -> SimulatedFlash {
+        self.board.library.close()
     }
 
     /// Bytes to the device.

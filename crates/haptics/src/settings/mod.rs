@@ -9,12 +9,13 @@ mod validate;
 pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, Value};
 
 use friction::effects::Effect;
+use serde::{Deserialize, Serialize};
 
 /// Effects a preset may add to its law.
 pub const MAX_EFFECTS: usize = 4;
 
 /// Which friction law the contact follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum LawKind {
     /// Modified Karnopp, eq. 3.1.
     #[default]
@@ -50,7 +51,7 @@ impl LawKind {
 }
 
 /// What carries the friction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum RendererKind {
     /// The handle itself rubs: table 4-1. `k_vc` is its K_p.
     Impedance,
@@ -80,7 +81,10 @@ impl RendererKind {
 }
 
 /// A preset: everything that can be felt. All levels are magnitudes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+///
+/// Saved presets are these fields in this order: what is changed here needs a new format number in
+/// `link::PresetStore`, whose test `the_format_of_a_saved_preset_is_what_devices_hold` tells.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// The law.
     pub law: LawKind,

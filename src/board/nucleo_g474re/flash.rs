@@ -1,0 +1,244 @@
+//! The last eight pages of bank 2, for presets: a register driver that never keeps the control interrupt waiting.
+//!
+//! The code runs from bank 1 (memory.x), and the banks are independent: while a page of bank 2 is erased, 22 ms, the
+//! processor goes on. embassy-stm32's driver would do that too, but masks interrupts while it starts an erasure; here
+//! nothing does. While the flash is busy the task yields, so that console and supervisor go on as well.
+//!
+//! * The data cache is off meanwhile: a read of one bank while the other is written may spoil it (ES0430,
+//!   *data cache might be corrupted during flash memory read-while-write operation*).
+//! * A double word that was cut short has a wrong error-correcting code, and reading it raises the NMI. The handler
+//!   here notes that; [`Medium::is_torn`] asks for it. Anywhere else in the flash it is a broken program: reset.
+
+use crate::presets::{Medium, NotStored, Refused};
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use embassy_futures::yield_now;
+use embassy_stm32::pac::{self, flash::regs::Sr};
+use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::signal::Signal;
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use link::MAX_ITEM;
+
+/// First byte of the presets; memory.x ends the code before bank 2.
+const BASE: u32 = 0x0807_c000;
+/// First byte of bank 2.
+const BANK_2: u32 = 0x0804_0000;
+const PAGE: u32 = 2048;
+const PAGES: u32 = 8;
+/// Every error of FLASH_SR, and the end of an operation: cleared by writing 1.
+const ALL_FLAGS: u32 = 0xc3fb;
+const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
+
+/// A double word with a wrong code was read.
+static TORN: AtomicBool = AtomicBool::new(false);
+
+/// An item to be stored, and how that went: between the console task and the keeper of the flash, both in thread mode.
+static WANTED: Signal<ThreadModeRawMutex, Wanted> = Signal::new();
+static STORED: Signal<ThreadModeRawMutex, Result<(), NotStored>> = Signal::new();
+
+/// An item to be stored.
+pub struct Wanted {
+    key: u8,
+    item: heapless::Vec<u8, MAX_ITEM>,
+}
+
+impl Wanted {
+    /// The next one.
+    pub async fn next() -> Self {
+        WANTED.wait().await
+    }
+
+    /// Its key.
+    #[must_use]
+    pub fn key(&self) -> u8 {
+        self.key
+    }
+
+    /// Its bytes.
+    #[must_use]
+    pub fn item(&self) -> &[u8] {
+        &self.item
+    }
+
+    /// Tells how it went.
+    pub fn done(self, outcome: Result<(), NotStored>) {
+        STORED.signal(outcome);
+    }
+}
+
+/// Hands an item to the keeper of the flash.
+pub(super) fn store(key: u8, item: &[u8]) {
+    STORED.reset();
+    match heapless::Vec::from_slice(item) {
+        Ok(item) => WANTED.signal(Wanted { key, item }),
+        Err(_) => STORED.signal(Err(NotStored::Full)),
+    }
+}
+
+/// How that went.
+pub(super) fn stored() -> Option<Result<(), NotStored>> {
+    STORED.try_take()
+}
+
+/// The pages for presets. There is one of it.
+pub struct Pages(());
+
+impl Pages {
+    pub(super) fn new() -> Self {
+        Self(())
+    }
+
+    /// Address of so many bytes at this offset, if they are inside.
+    fn address(offset: u32, count: usize) -> Result<u32, Refused> {
+        let end = offset.checked_add(count as u32).ok_or(Refused)?;
+        if end <= PAGE * PAGES { Ok(BASE + offset) } else { Err(Refused) }
+    }
+
+    /// A double word, and whether its code is right.
+    fn read_word(address: u32) -> ([u32; 2], bool) {
+        TORN.store(false, Relaxed);
+        // SAFETY: inside the pages, aligned; volatile because the controller changes what is there
+        let word =
+            unsafe { core::ptr::with_exposed_provenance::<[u32; 2]>(address as usize).read_volatile() };
+        // the NMI comes with the data
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+        (word, TORN.load(Relaxed))
+    }
+}
+
+/// The controller, unlocked; locked again when it is dropped.
+struct Unlocked {
+    data_cache: bool,
+}
+
+impl Unlocked {
+    async fn new() -> Self {
+        let flash = pac::FLASH;
+        while flash.sr().read().bsy() {
+            yield_now().await;
+        }
+        let data_cache = flash.acr().read().dcen();
+        flash.acr().modify(|w| w.set_dcen(false));
+        flash.sr().write_value(Sr(ALL_FLAGS));
+        if flash.cr().read().lock() {
+            for key in KEYS {
+                flash.keyr().write_value(key);
+            }
+        }
+        Self { data_cache }
+    }
+
+    /// Waits for the operation under way.
+    async fn done(&self) -> Result<(), Refused> {
+        loop {
+            let sr = pac::FLASH.sr().read();
+            if !sr.bsy() {
+                return if sr.0 & ALL_FLAGS & !1 == 0 { Ok(()) } else { Err(Refused) };
+            }
+            yield_now().await;
+        }
+    }
+}
+
+impl Drop for Unlocked {
+    fn drop(&mut self) {
+        let flash = pac::FLASH;
+        flash.sr().write_value(Sr(ALL_FLAGS));
+        flash.cr().write(|w| w.set_lock(true));
+        if self.data_cache {
+            // it may only be reset while it is off
+            flash.acr().modify(|w| w.set_dcrst(true));
+            flash.acr().modify(|w| w.set_dcrst(false));
+            flash.acr().modify(|w| w.set_dcen(true));
+        }
+    }
+}
+
+impl ErrorType for Pages {
+    type Error = Refused;
+}
+
+impl ReadNorFlash for Pages {
+    const READ_SIZE: usize = 8;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Refused> {
+        let mut address = Self::address(offset, bytes.len())?;
+        for to in bytes.chunks_exact_mut(8) {
+            // what is torn reads as what counts for nothing; after `recover` there is none
+            let word = match Self::read_word(address) {
+                (word, false) => word,
+                (_, true) => [0; 2],
+            };
+            to[..4].copy_from_slice(&word[0].to_le_bytes());
+            to[4..].copy_from_slice(&word[1].to_le_bytes());
+            address += 8;
+        }
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        (PAGE * PAGES) as usize
+    }
+}
+
+impl NorFlash for Pages {
+    const WRITE_SIZE: usize = 8;
+    const ERASE_SIZE: usize = PAGE as usize;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Refused> {
+        let from = Self::address(from, to.checked_sub(from).ok_or(Refused)? as usize)?;
+        let unlocked = Unlocked::new().await;
+        for page in (from - BANK_2) / PAGE..(BASE + to - BANK_2) / PAGE {
+            pac::FLASH.cr().write(|w| {
+                w.set_per(true);
+                w.set_bker(true); // bank 2
+                w.set_pnb(page as u8);
+            });
+            pac::FLASH.cr().modify(|w| w.set_strt(true));
+            unlocked.done().await?;
+        }
+        Ok(())
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Refused> {
+        let mut address = Self::address(offset, bytes.len())?;
+        if !offset.is_multiple_of(8) {
+            return Err(Refused);
+        }
+        let unlocked = Unlocked::new().await;
+        pac::FLASH.cr().write(|w| w.set_pg(true));
+        for word in bytes.chunks_exact(8) {
+            for half in word.chunks_exact(4) {
+                let half = half.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte));
+                // SAFETY: inside the pages, aligned; the controller takes both halves as one double word, whatever
+                // interrupts come between, for nobody else writes to the flash
+                unsafe {
+                    core::ptr::with_exposed_provenance_mut::<u32>(address as usize).write_volatile(half)
+                };
+                address += 4;
+            }
+            unlocked.done().await?;
+        }
+        Ok(())
+    }
+}
+
+impl Medium for Pages {
+    async fn is_torn(&mut self, offset: u32) -> Result<bool, Refused> {
+        Ok(Self::read_word(Self::address(offset, 8)?).1)
+    }
+}
+
+/// A double error in the flash: of a preset that was cut short, or of the program.
+#[cortex_m_rt::exception]
+unsafe fn NonMaskableInt() {
+    let error = pac::FLASH.eccr().read();
+    if error.eccd() {
+        let pages = (BASE - BANK_2)..(BASE - BANK_2 + PAGE * PAGES);
+        if !error.bk_ecc() || error.sysf_ecc() || !pages.contains(&error.addr_ecc()) {
+            super::restart();
+        }
+        pac::FLASH.eccr().modify(|w| w.set_eccd(true)); // written 1: cleared
+        TORN.store(true, Relaxed);
+    }
+}

@@ -1,0 +1,16 @@
+//! Keeps the presets: the one task that touches the flash.
+
+use tribos_firmware::board::nucleo_g474re::flash::{Pages, Wanted};
+use tribos_firmware::presets::{Library, NotStored};
+
+#[embassy_executor::task]
+pub async fn run(mut library: Result<Library<Pages>, NotStored>) {
+    loop {
+        let wanted = Wanted::next().await;
+        let outcome = match &mut library {
+            Ok(library) => library.store(wanted.key(), wanted.item()).await,
+            Err(why) => Err(*why),
+        };
+        wanted.done(outcome);
+    }
+}
