@@ -132,21 +132,25 @@ pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Res
 
 /// The result of an identification in one line.
 pub(super) fn identified(found: &Identified, out: &mut Line) -> fmt::Result {
-    write!(out, "! identified: mass {:.4} ± {:.4} kg", found.mass.value, found.mass.std)?;
+    out.write_str("! identified: ")?;
+    let levels = [("D_p", found.static_p), ("D_n", found.static_n)];
     for (name, estimate, unit) in [
+        ("mass", found.mass, "kg"),
         ("C_p", found.coulomb_p, "N"),
         ("C_n", found.coulomb_n, "N"),
         ("b_p", found.viscous_p, "N s/m"),
         ("b_n", found.viscous_n, "N s/m"),
-    ] {
-        write!(out, ", {name} {:.4} ± {:.4} {unit}", estimate.value, estimate.std)?;
+        ("dv", found.delta_v, "m/s"),
+    ]
+    .into_iter()
+    .chain(levels.into_iter().filter_map(|(name, level)| Some((name, level?, "N"))))
+    {
+        write!(out, "{name} {:.4} ± {:.4} {unit}, ", estimate.value, estimate.std)?;
     }
-    write!(
-        out,
-        ", D_p {:.4} N, D_n {:.4} N; relative error {:.2} %, {} samples",
-        found.static_p,
-        found.static_n,
-        100.0 * found.relative_error,
-        found.used
-    )
+    for (name, level) in levels {
+        if level.is_none() {
+            write!(out, "{name} not seen, ")?;
+        }
+    }
+    write!(out, "relative error {:.2} %, {} samples", 100.0 * found.relative_error, found.used)
 }

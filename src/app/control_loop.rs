@@ -1,6 +1,7 @@
 //! The interrupt's side.
 
 use super::{ControlEnds, FaultReport, Report, Telemetry};
+use haptics::streaming_identify::NUMBERS;
 use haptics::{Config, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
 use ringbuf::traits::{Consumer, Observer, Producer};
 
@@ -14,6 +15,8 @@ pub struct ControlLoop {
     state: State,
     step: u32,
     mode: ModeId,
+    /// Numbers of a completed identification that are still to be told.
+    numbers: u16,
 }
 
 impl ControlLoop {
@@ -26,6 +29,7 @@ impl ControlLoop {
             replaced: false,
             step: 0,
             mode: ModeId::Idle,
+            numbers: 0,
         }
     }
 
@@ -45,10 +49,16 @@ impl ControlLoop {
         if answered {
             let _ = ends.report.try_push(Report::Handled(outputs.denied));
         }
-        if outputs.identified
-            && let Some(sums) = self.state.sums()
+        if outputs.identified {
+            self.numbers = NUMBERS as u16;
+        } else if outputs.mode == ModeId::Identifying {
+            // begun anew: what was not told is gone
+            self.numbers = 0;
+        }
+        if let Some(number) = self.numbers.checked_sub(1).and_then(|k| self.state.recorder().number(k))
+            && ends.report.try_push(Report::Identified(number)).is_ok()
         {
-            let _ = ends.report.try_push(Report::Identified(*sums));
+            self.numbers -= 1;
         }
         if outputs.mode == ModeId::Fault
             && self.mode != ModeId::Fault

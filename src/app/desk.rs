@@ -10,7 +10,7 @@ use super::{DeskEnds, FaultReport, Output, Report, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
-use haptics::{Config, Device, FaultKind, ModeId, Procedure, Refused, Request, Settings, Sums};
+use haptics::{Config, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver};
 use link::{BadLine, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, PresetStore};
 use ringbuf::traits::{Consumer, Producer};
 
@@ -42,6 +42,7 @@ pub struct Desk {
     /// An answer of several lines, and its next line.
     listing: Option<(Listing, usize)>,
     selftest: Option<SelfTest>,
+    solver: Solver,
     stream: Option<Stream>,
     last: Option<Telemetry>,
     fault: Option<FaultReport>,
@@ -70,6 +71,7 @@ impl Desk {
             pending: None,
             listing: None,
             selftest: None,
+            solver: Solver::new(&device, &Procedure::default()),
             stream: None,
             last: None,
             fault: None,
@@ -200,7 +202,7 @@ impl Desk {
                 let _ = write!(line, "! fault {}: {}", fault.kind, fault.kind.explain());
                 self.say(&line);
             }
-            Report::Identified(sums) => self.identified(sums),
+            Report::Identified(number) => self.identified(number),
         }
     }
 
@@ -227,9 +229,10 @@ impl Desk {
         self.say(&line);
     }
 
-    fn identified(&mut self, sums: &Sums) {
+    fn identified(&mut self, number: &Number) {
+        let Some(result) = self.solver.take(number) else { return };
         let mut line = Line::new();
-        match sums.solve() {
+        match result {
             Ok(found) => {
                 let _ = answer::identified(&found, &mut line);
                 self.say(&line);

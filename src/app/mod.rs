@@ -12,7 +12,7 @@ pub use control_loop::ControlLoop;
 pub use desk::Desk;
 pub use output::Output;
 
-use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Outputs, Request, Sums};
+use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Number, Outputs, Request};
 use ringbuf::traits::SplitRef;
 use ringbuf::{CachingCons, CachingProd, StaticRb};
 
@@ -46,14 +46,13 @@ pub struct FaultReport {
 
 /// What the control loop tells besides telemetry.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(clippy::large_enum_variant)] // no heap; rare
 pub enum Report {
     /// The request was handled; why it was not obeyed.
     Handled(Option<Denied>),
     /// A fault was latched.
     Fault(FaultReport),
-    /// An identification is complete.
-    Identified(Sums),
+    /// An identification is complete: its numbers, one a period.
+    Identified(Number),
 }
 
 /// Telemetry that waits for the tasks: what they may be behind, control periods.

@@ -5,6 +5,7 @@
 
 mod agreement;
 mod board;
+mod identification;
 mod no_panic;
 mod safety;
 
@@ -260,26 +261,4 @@ fn it_moves_the_handle_for_identification_and_tells_when_it_is_done() {
     assert!(error < 0.004, "{error}");
     assert!(board.lines.iter().any(|line| line.starts_with("! the motion has ended")), "{:?}", board.lines);
     assert!(!board.machine.amplifier_on());
-}
-
-#[test]
-fn it_identifies_a_block_without_a_pc() {
-    let rubber = plant::materials::RUBBER;
-    let Some(mut board) = Board::with_block(&rubber) else { return };
-    board.ok("identify");
-    for _ in 0..130 {
-        board.run(100.0);
-    }
-    let found = board.lines.iter().find(|line| line.starts_with("! identified")).expect("a result").clone();
-    println!("{found}");
-    println!("truth: mass {} kg, C_p {} N, C_n {} N", rubber.mass, rubber.law.c_p, rubber.law.c_n);
-    let value = |name: &str| -> f64 {
-        let word = found.split(name).nth(1).and_then(|rest| rest.split_whitespace().next());
-        word.and_then(|word| word.parse().ok()).unwrap_or(f64::NAN)
-    };
-    for (name, truth) in [("mass ", rubber.mass), ("C_p ", rubber.law.c_p), ("C_n ", rubber.law.c_n)] {
-        // one recording of 2 s through sensors with gain errors and noise
-        assert!((value(name) / truth - 1.0).abs() < 0.08, "{name}{}: truth {truth}", value(name));
-    }
-    board.ok("preset use identified");
 }

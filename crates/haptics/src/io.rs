@@ -44,6 +44,6 @@ pub struct Outputs {
     pub friction: f32,
     /// The request handed to this step was not obeyed, and why.
     pub denied: Option<Denied>,
-    /// True in the one step that completed an identification: its sums are in `State::sums`.
+    /// True in the one step that completed an identification: its sums are in `State::recorder`.
     pub identified: bool,
 }

@@ -54,6 +54,6 @@ pub use io::{Inputs, Outputs};
 pub use machine::{Fault, Mode, ModeId, Request};
 pub use settings::{LawKind, Parameter, RendererKind, SetError, Settings, Value};
 pub use step::{State, step};
-pub use streaming_identify::{Identified, Procedure, Sums};
+pub use streaming_identify::{Identified, Number, Procedure, Solver};
 pub use verdict::{Accepted, Refused, Warning};
 pub use wave::Wave;

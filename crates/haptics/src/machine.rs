@@ -20,7 +20,7 @@
 use crate::FaultKind;
 use crate::excitation::{Drive, Excitation};
 use crate::renderer::Contact;
-use crate::streaming_identify::{Procedure, Recorder};
+use crate::streaming_identify::Procedure;
 
 /// Something asked of the loop; handled between two steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,8 +62,8 @@ pub enum Mode {
     Exciting {
         /// Progress of the excitation.
         drive: Drive,
-        /// The sums, when this is an identification.
-        recorder: Option<Recorder>,
+        /// Sums are accumulated.
+        identifying: bool,
     },
     /// Force withdrawn until cleared.
     Fault(Fault),
@@ -138,7 +138,7 @@ impl Mode {
         match self {
             Self::Idle => ModeId::Idle,
             Self::Rendering { .. } => ModeId::Rendering,
-            Self::Exciting { recorder: None, .. } => ModeId::Exciting,
+            Self::Exciting { identifying: false, .. } => ModeId::Exciting,
             Self::Exciting { .. } => ModeId::Identifying,
             Self::Fault(_) => ModeId::Fault,
         }

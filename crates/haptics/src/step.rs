@@ -9,7 +9,7 @@ use crate::machine::{Fault, Mode, Request};
 use crate::renderer::{Contact, Handle, Rendered};
 use crate::safety::{self, Guard};
 use crate::silence::Bounds;
-use crate::streaming_identify::{Recorder, Sums};
+use crate::streaming_identify::Recorder;
 use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs};
 
 /// Everything the loop remembers from step to step.
@@ -27,7 +27,7 @@ pub struct State {
     swapped: bool,
     /// The next step runs with another configuration than the last.
     reconfigured: bool,
-    sums: Option<Sums>,
+    recorder: Recorder,
 }
 
 /// What is left of a swap's difference after one period: gone in some 20 ms, too slow to click, too fast to feel.
@@ -46,7 +46,7 @@ impl State {
             blend: 0.0,
             swapped: false,
             reconfigured: false,
-            sums: None,
+            recorder: Recorder::default(),
         }
     }
 
@@ -81,10 +81,10 @@ impl State {
         }
     }
 
-    /// Sums of the last completed identification. Solve them outside the control interrupt.
+    /// The sums of the last identification. Solve them outside the control interrupt.
     #[must_use]
-    pub fn sums(&self) -> Option<&Sums> {
-        self.sums.as_ref()
+    pub fn recorder(&self) -> &Recorder {
+        &self.recorder
     }
 
     /// Change of speed that the accelerometer says and the encoder does not, as a share of what is the fault
@@ -133,9 +133,9 @@ impl State {
                 match &mut self.mode {
                     Mode::Idle | Mode::Fault(_) => {}
                     Mode::Rendering { .. } => self.mode = Mode::Idle,
-                    Mode::Exciting { drive, recorder } => {
+                    Mode::Exciting { drive, identifying } => {
                         drive.stop();
-                        *recorder = None;
+                        *identifying = false;
                     }
                 }
                 Ok(())
@@ -161,14 +161,14 @@ impl State {
             Request::Excite(excitation) => {
                 excitation.validate(device).map_err(|_| Denied::BadExcitation)?;
                 let drive = Drive::start(config, excitation, handle.position);
-                self.mode = Mode::Exciting { drive, recorder: None };
+                self.mode = Mode::Exciting { drive, identifying: false };
                 Ok(())
             }
             Request::Identify(procedure) => {
                 procedure.validate(device).map_err(|_| Denied::BadExcitation)?;
                 let drive = Drive::start(config, &procedure.excitation(), handle.position);
-                self.sums = None;
-                self.mode = Mode::Exciting { drive, recorder: Some(Recorder::new(config, procedure)) };
+                self.recorder.start(config, procedure);
+                self.mode = Mode::Exciting { drive, identifying: true };
                 Ok(())
             }
         }
@@ -281,17 +281,14 @@ fn run_mode(
             describe(&rendered, outputs);
             Some(rendered.force + state.blend)
         }
-        Mode::Exciting { drive, recorder } => {
+        Mode::Exciting { drive, identifying } => {
             let command = drive.step(config, handle.position, handle.velocity);
             outputs.reference = finite_or_zero(drive.reference());
-            if let Some(recording) = recorder {
-                let load = config.device.load.to_si(inputs.load_code);
-                let accel = config.device.accel.to_si(inputs.accel_code);
-                if let Some(sums) = recording.sample(drive.elapsed(), handle.velocity, accel, load) {
-                    state.sums = Some(sums);
-                    outputs.identified = true;
-                    *recorder = None;
-                }
+            if *identifying {
+                let (accel, load) = (inputs.accel_code, inputs.load_code);
+                let complete = state.recorder.sample(drive.elapsed(), handle.velocity, accel, load);
+                outputs.identified = complete;
+                *identifying = !complete;
             }
             if command.is_none() {
                 // the promise was for this motion

@@ -272,8 +272,8 @@ fn any_request() -> impl Strategy<Value = Request> {
             Request::Excite(Excitation { wave: Wave::ALL[w], amplitude_m: a, frequency_hz: f, seconds: s })
         }),
         Just(Request::Excite(Excitation::default())),
-        (any_number(), any_number()).prop_map(|(warm_up_s, dv)| {
-            Request::Identify(Procedure { warm_up_s, dv, ..Procedure::default() })
+        (any_number(), any_number()).prop_map(|(warm_up_s, record_s)| {
+            Request::Identify(Procedure { warm_up_s, record_s, ..Procedure::default() })
         }),
         Just(Request::Stop),
         Just(Request::ClearFault),

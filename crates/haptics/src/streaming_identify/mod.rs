@@ -1,20 +1,25 @@
 //! The thesis's identification on the device itself, without a PC (ch. 3.5).
 //!
-//! While the handle is driven, [`Recorder`] accumulates sums in the control step: 26 compensated `f32` sums, no
-//! recording is kept. [`Sums::solve`] makes the five parameters of eq. 3.5 of them, least squares (3.8) and Fuller's
-//! correction (3.9), in `f64`, *outside* the interrupt.
-//!
-//! Two things the thesis did with a recording are done on the sums:
+//! While the handle is driven, [`Recorder`] accumulates moments in the control step; no recording is kept.
+//! [`Solver`] makes the parameters of eq. 3.5 of them, least squares (3.8) with the correction for errors in the
+//! regressors (3.9), *outside* the interrupt. Three things the thesis did by hand with a recording are done on the
+//! moments:
+//! * Δv: they are kept apart by speed, in [`BANDS`] bands. Sliding friction is fitted to the fastest; from there down
+//!   band after band is added until one does not slide as the others do. That is where friction is static;
 //! * the accelerometer's scale and offset per run (3.5.3) come from its covariance with four-point central differences
-//!   of velocity; the normal equations are bilinear in them and are transformed afterwards. The regression is of the
-//!   accelerometer on the differences: M/T velocity makes those the cleaner of the two, and the other way
-//!   round the noise of the accelerometer would shrink the scale and enlarge the mass;
-//! * velocity is an average over the last period, so the mean of two neighbours is taken for the sample between
-//!   them: half a period of delay would add b·T/2 to the mass.
+//!   of velocity. Both then measure one acceleration, and the fit takes their mean, weighted by their noise;
+//! * velocity is an average over the last period, so the mean of two neighbours is taken for the velocity at the
+//!   sample between them: half a period of delay would add b·T/2 to the mass. Acceleration is the slope of these
+//!   averages *within* the last period: the force that drives the handle is held over it, so what load cell and
+//!   accelerometer see at its end is the middle's. Half a period of delay there would add m·ω²·T/2 to b.
+//!
+//! Moments are integers: exact, in any order, one instruction each in the interrupt, and centred without
+//! cancellation, so that the solution needs no more than `f32`.
 
+mod fit;
+mod moments;
 mod recorder;
 mod solve;
-mod sum;
 
-pub use recorder::{Procedure, Recorder, Sums};
-pub use solve::{Estimate, Identified, Unidentified};
+pub use recorder::{BANDS, NUMBERS, Number, Procedure, Recorder};
+pub use solve::{Estimate, Identified, Solver, Unidentified};

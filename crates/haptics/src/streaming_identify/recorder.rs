@@ -1,7 +1,12 @@
 //! What runs in the control step: delay line, differences, sums.
 
-use super::sum::Sum;
+use super::moments::{Codes, Moments, PER_M_S, SUMS, steps};
 use crate::{Accepted, Config, Device, Excitation, Refused, Wave};
+
+/// Bands of speed. All but the last are of one width and span [`SLOW`] of the top speed; the last has the rest.
+pub const BANDS: usize = 12;
+/// Share of the top speed in which Δv is looked for.
+const SLOW: f32 = 0.3;
 
 /// The identification procedure (ch. 3.5.2, 3.5.3). `default()` is the thesis's.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,20 +21,11 @@ pub struct Procedure {
     pub warm_up_s: f32,
     /// Length of the recording, s.
     pub record_s: f32,
-    /// Δv: samples slower than this are set aside, m/s.
-    pub dv: f32,
 }
 
 impl Default for Procedure {
     fn default() -> Self {
-        Self {
-            wave: Wave::Sine,
-            amplitude_m: 0.01,
-            frequency_hz: 2.0,
-            warm_up_s: 10.0,
-            record_s: 2.0,
-            dv: 0.007,
-        }
+        Self { wave: Wave::Sine, amplitude_m: 0.01, frequency_hz: 2.0, warm_up_s: 10.0, record_s: 2.0 }
     }
 }
 
@@ -45,6 +41,13 @@ impl Procedure {
             frequency_hz: self.frequency_hz,
             seconds,
         }
+    }
+
+    /// Width of a band of speed, m/s: what Δv is resolved to.
+    #[must_use]
+    pub fn band_width(&self) -> f32 {
+        let top = self.amplitude_m * self.frequency_hz * core::f32::consts::TAU * self.wave.speed_factor();
+        top * (SLOW / (BANDS - 1) as f32)
     }
 
     /// Checks it against the device.
@@ -63,156 +66,142 @@ impl Procedure {
                 "s; from the end of the ramp",
             );
         }
-        if !(self.record_s >= 0.1 && self.record_s <= 600.0) {
-            return refuse("record", self.record_s, Accepted::Between(0.1, 600.0), "s");
-        }
-        if !(self.dv > 0.0 && self.dv <= device.overspeed) {
-            return refuse("dv", self.dv, Accepted::Between(device.metre_per_count, device.overspeed), "m/s");
+        // the sums hold 60 000 samples, whatever those are
+        let longest = 60_000.0 * device.period;
+        if !(self.record_s >= 0.1 && self.record_s <= longest) {
+            return refuse("record", self.record_s, Accepted::Between(0.1, longest), "s");
         }
         self.excitation().validate(device)
     }
 }
 
-/// Sums over the used samples of one direction. r: accelerometer as it reads, v: velocity, f: load cell.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct DirectionSums {
-    pub samples: u32,
-    pub r: Sum,
-    pub v: Sum,
-    pub f: Sum,
-    pub rr: Sum,
-    pub rv: Sum,
-    pub vv: Sum,
-    pub rf: Sum,
-    pub vf: Sum,
-    pub ff: Sum,
+/// Numbers in a band: the moments of both directions.
+const IN_BAND: usize = 2 * SUMS;
+/// Numbers a recording ends with.
+pub const NUMBERS: usize = BANDS * IN_BAND;
+
+/// One number of a recording. They come one by one, the last index first: the fastest band is asked for first, and no
+/// control period carries more than it can.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Number {
+    /// Band, direction and sum, counted through from 0 to [`NUMBERS`] − 1.
+    pub index: u16,
+    /// The sum.
+    pub value: i64,
 }
 
-/// Everything the five parameters need, in 250 bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Sums {
-    pub(super) period: f32,
-    pub(super) dv: f32,
-    pub(super) positive: DirectionSums,
-    pub(super) negative: DirectionSums,
-    /// All recorded samples, for the accelerometer: d is the differentiated velocity.
-    pub(super) recorded: u32,
-    pub(super) d: Sum,
-    pub(super) r: Sum,
-    pub(super) dd: Sum,
-    pub(super) dr: Sum,
-    pub(super) rr: Sum,
-    /// Squares of fourth differences of velocity: what is left of a smooth motion is noise.
-    pub(super) rough: Sum,
-    /// (force, accelerometer) where the smoothed force was largest while |v| < Δv, and smallest.
-    pub(super) highest: Option<(f32, f32)>,
-    pub(super) lowest: Option<(f32, f32)>,
+impl Number {
+    /// Its band, and whether it is the first to come or the last.
+    pub(super) fn band(&self) -> (usize, bool, bool) {
+        let (band, within) = (usize::from(self.index) / IN_BAND, usize::from(self.index) % IN_BAND);
+        (band, within == IN_BAND - 1, within == 0)
+    }
+
+    /// Where it belongs in its band.
+    pub(super) fn place<'a>(&self, ways: &'a mut [Moments; 2]) -> Option<&'a mut i64> {
+        let within = usize::from(self.index) % IN_BAND;
+        ways.get_mut(within / SUMS)?.0.get_mut(within % SUMS)
+    }
 }
 
-/// Velocity, accelerometer, force of one sample.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Sample {
-    v: f32,
-    r: f32,
-    f: f32,
-}
-
-/// A running identification.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// An identification: its progress and its sums. It stays where it is and is read number by number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Recorder {
     begin: u32,
     end: u32,
-    rate: f32,
-    previous: Sample,
-    /// The last five samples with their velocity centred, oldest first.
-    line: [Sample; 5],
+    /// Bands per step of centred velocity, times 2³².
+    per_step: u32,
+    /// Speed beyond which the handle is surely not at rest, and what it gains in two periods when it leaves rest.
+    moving: i32,
+    gaining: i32,
+    /// Bands that are cleared: one a step, so that no step clears them all.
+    cleared: u8,
+    /// Mean velocities over the last six periods, oldest first, steps.
+    means: [i32; 6],
+    /// Codes at the ends of the last four periods.
+    codes: [Codes; 4],
     filled: u8,
-    /// Smoothed force and accelerometer.
-    smooth: (f32, f32),
-    sums: Sums,
+    bands: [[Moments; 2]; BANDS],
+}
+
+impl Default for Recorder {
+    fn default() -> Self {
+        Self {
+            begin: 0,
+            end: 0,
+            per_step: 0,
+            moving: 0,
+            gaining: 0,
+            cleared: 0,
+            means: [0; 6],
+            codes: [Codes::default(); 4],
+            filled: 0,
+            bands: [[Moments::default(); 2]; BANDS],
+        }
+    }
 }
 
 impl Recorder {
-    pub(crate) fn new(config: &Config, procedure: &Procedure) -> Self {
+    /// Begins anew.
+    pub(crate) fn start(&mut self, config: &Config, procedure: &Procedure) {
         let rate = config.timing.rate;
+        let width = procedure.band_width() * (2.0 * PER_M_S);
         // `as` saturates
-        let begin = (procedure.warm_up_s * rate) as u32;
-        Self {
-            begin,
-            end: begin.saturating_add((procedure.record_s * rate) as u32),
-            rate,
-            previous: Sample::default(),
-            line: [Sample::default(); 5],
-            filled: 0,
-            smooth: (0.0, 0.0),
-            sums: Sums { period: config.device.period, dv: procedure.dv, ..Sums::default() },
-        }
+        self.begin = (procedure.warm_up_s * rate) as u32;
+        self.end = self.begin.saturating_add((procedure.record_s * rate) as u32);
+        self.per_step = (4_294_967_296.0 / width) as u32;
+        self.moving = (0.25 * width) as i32;
+        self.gaining = (0.25 * width) as i32;
+        self.cleared = 0;
+        self.filled = 0;
     }
 
-    /// Samples accumulated so far.
+    /// A number of the last recording.
     #[must_use]
-    pub fn recorded(&self) -> u32 {
-        self.sums.recorded
+    pub fn number(&self, index: u16) -> Option<Number> {
+        let at = usize::from(index);
+        let moments = self.bands.as_flattened().get(at / SUMS)?;
+        Some(Number { index, value: *moments.0.get(at % SUMS)? })
     }
 
-    /// Takes one sample; the sums when the recording is complete.
-    pub(crate) fn sample(&mut self, elapsed: u32, v: f32, r: f32, f: f32) -> Option<Sums> {
-        if elapsed < self.begin {
-            return None;
+    /// Takes one sample; true when the recording is complete.
+    pub(crate) fn sample(&mut self, elapsed: u32, velocity: f32, accel_code: u16, load_code: u16) -> bool {
+        if let Some(band) = self.bands.get_mut(usize::from(self.cleared)) {
+            *band = Default::default();
+            self.cleared += 1;
+            return false;
         }
-        // v is the mean over the period that ended now, the previous one over that before: their mean belongs to
-        // the sample between
-        let centred = Sample { v: 0.5 * (self.previous.v + v), ..self.previous };
-        self.previous = Sample { v, r, f };
-        let [_, a, b, c, d] = self.line;
-        self.line = [a, b, c, d, centred];
+        if elapsed < self.begin {
+            return false;
+        }
+        let [_, a, b, c, d, e] = self.means;
+        self.means = [a, b, c, d, e, steps(velocity)];
+        let [_, x, y, z] = self.codes;
+        self.codes = [x, y, z, Codes::new(accel_code, load_code)];
         if self.filled < 6 {
             self.filled += 1;
-            if self.filled == 1 {
-                self.smooth = (f, r);
-            }
-            return None;
+            return false;
         }
         self.accumulate();
-        (elapsed >= self.end).then_some(self.sums)
+        elapsed >= self.end
     }
 
     fn accumulate(&mut self) {
-        let [a, b, now, d, e] = self.line;
-        let sums = &mut self.sums;
-        let slope = (8.0 * (d.v - b.v) - (e.v - a.v)) * self.rate * (1.0 / 12.0);
-        let rough = e.v - 4.0 * d.v + 6.0 * now.v - 4.0 * b.v + a.v;
-        sums.recorded += 1;
-        sums.d.add(slope);
-        sums.r.add(now.r);
-        sums.dd.add(slope * slope);
-        sums.dr.add(slope * now.r);
-        sums.rr.add(now.r * now.r);
-        sums.rough.add(rough * rough);
-        self.smooth.0 += 0.25 * (now.f - self.smooth.0);
-        self.smooth.1 += 0.25 * (now.r - self.smooth.1);
-        let side = if now.v >= sums.dv {
-            &mut sums.positive
-        } else if now.v <= -sums.dv {
-            &mut sums.negative
-        } else {
-            if sums.highest.is_none_or(|(f, _)| self.smooth.0 > f) {
-                sums.highest = Some(self.smooth);
-            }
-            if sums.lowest.is_none_or(|(f, _)| self.smooth.0 < f) {
-                sums.lowest = Some(self.smooth);
-            }
+        let [a, before, now, after, e, _] = self.means;
+        let [codes, ..] = self.codes;
+        // the velocity at the end of a period, from the means over it and over the next; the sum is kept
+        let v = now + after;
+        let speed = v.unsigned_abs();
+        let index = ((u64::from(speed) * u64::from(self.per_step)) >> 32) as usize;
+        let way = usize::from(v < 0);
+        let Some(moments) = self.bands.get_mut(index.min(BANDS - 1)).and_then(|ways| ways.get_mut(way))
+        else {
             return;
         };
-        side.samples += 1;
-        side.r.add(now.r);
-        side.v.add(now.v);
-        side.f.add(now.f);
-        side.rr.add(now.r * now.r);
-        side.rv.add(now.r * now.v);
-        side.vv.add(now.v * now.v);
-        side.rf.add(now.r * now.f);
-        side.vf.add(now.v * now.f);
-        side.ff.add(now.f * now.f);
+        moments.add([a, before, now, after, e], v, codes);
+        let gained = if way == 0 { after - before } else { before - after };
+        if index < BANDS - 1 && v.abs() > self.moving && 2 * gained > self.gaining {
+            moments.leave(codes);
+        }
     }
 }

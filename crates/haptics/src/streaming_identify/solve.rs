@@ -1,21 +1,19 @@
-//! From sums to parameters. Runs in a task, not in the interrupt; `f64`.
+//! From moments to parameters. Runs in a task, not in the interrupt; `f32`, in closed form.
 
-use super::recorder::{DirectionSums, Sums};
+use super::fit::{Accelerometer, Fit};
+use super::moments::{Moments, Units};
+use super::recorder::{BANDS, Number, Procedure};
 use crate::{Device, LawKind, Settings};
 use core::fmt;
-
-/// The five columns of eq. 3.6.
-const NAMES: [&str; 5] = ["mass", "coulomb_p", "viscous_p", "coulomb_n", "viscous_n"];
-type Vector = [f64; 5];
-type Matrix = [[f64; 5]; 5];
+use friction::Scalar;
 
 /// A parameter with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Estimate {
     /// Value.
-    pub value: f64,
+    pub value: f32,
     /// Standard deviation.
-    pub std: f64,
+    pub std: f32,
 }
 
 /// Result of an identification on the device. Levels are magnitudes.
@@ -31,44 +29,40 @@ pub struct Identified {
     pub coulomb_n: Estimate,
     /// b_n, N·s/m.
     pub viscous_n: Estimate,
-    /// D_p, N: the largest friction while |v| < Δv, not below C_p.
-    pub static_p: f64,
+    /// D_p, N: friction while the handle leaves rest and is slower than Δv. `None`: it was not seen to leave rest.
+    pub static_p: Option<Estimate>,
     /// D_n, N.
-    pub static_n: f64,
-    /// Mass by plain least squares (eq. 3.8), kg: what the noise of the accelerometer would have made of it.
-    pub mass_least_squares: f64,
+    pub static_n: Option<Estimate>,
+    /// Δv, m/s.
+    pub delta_v: Estimate,
+    /// Mass by plain least squares on the accelerometer (eq. 3.8), kg: what its noise would have made of it.
+    pub mass_least_squares: f32,
     /// True acceleration over accelerometer reading.
-    pub accel_scale: f64,
+    pub accel_scale: f32,
     /// Added to the scaled reading, m/s².
-    pub accel_offset: f64,
-    /// Variance of the calibrated acceleration, (m/s²)².
-    pub variance_acceleration: f64,
-    /// Variance of the velocity, (m/s)².
-    pub variance_velocity: f64,
+    pub accel_offset: f32,
     /// ‖e‖/‖F‖ over the samples used.
-    pub relative_error: f64,
+    pub relative_error: f32,
     /// Samples used.
     pub used: u32,
     /// Samples set aside as too slow.
     pub set_aside: u32,
-    /// Δv, m/s.
-    pub dv: f64,
 }
 
 /// Why there is no result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unidentified {
-    /// Too few samples faster than Δv in one direction.
+    /// Too few samples of fast motion in one direction.
     TooLittleMotion {
-        /// Used samples against positive motion.
+        /// Fast samples of positive motion.
         positive: u32,
-        /// Used samples against negative motion.
+        /// Fast samples of negative motion.
         negative: u32,
     },
     /// The accelerometer does not follow the differentiated velocity.
     Accelerometer {
         /// Correlation of the two.
-        correlation: f64,
+        correlation: f32,
     },
     /// The motion does not tell this parameter from the others.
     NotIdentifiable(&'static str),
@@ -79,7 +73,7 @@ impl fmt::Display for Unidentified {
         match self {
             Self::TooLittleMotion { positive, negative } => write!(
                 f,
-                "too little motion: {positive} samples forward and {negative} back are faster than dv; 50 each are needed"
+                "too little motion: {positive} samples forward and {negative} back are fast; 50 each are needed"
             ),
             Self::Accelerometer { correlation } => write!(
                 f,
@@ -93,179 +87,147 @@ impl fmt::Display for Unidentified {
 impl core::error::Error for Unidentified {}
 
 /// Fewest used samples in a direction.
-const FEWEST: u32 = 50;
-/// Least correlation of accelerometer and differentiated velocity.
-const CORRELATED: f64 = 0.8;
+pub(super) const FEWEST: u32 = 50;
 
-/// Scale, offset and noise of the accelerometer.
-struct Accelerometer {
-    scale: f64,
-    offset: f64,
-    variance: f64,
+/// Takes a recording number by number, fastest band first, and finds which bands slide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solver {
+    units: Units,
+    width: f32,
+    period: f32,
+    /// Of the device without its block.
+    mass: f32,
+    damping: f32,
+    /// Moments of the band that is coming.
+    coming: [Moments; 2],
+    /// Moments of what is used.
+    used: [Moments; 2],
+    /// A band that slides, not used yet: the one above the edge is not, its differences of velocity reach below.
+    held: Option<[Moments; 2]>,
+    /// Bands below the edge, for what the handle does when it leaves rest.
+    slow: [Moments; 2],
+    set_aside: u32,
+    edge: Option<u8>,
 }
 
-impl Sums {
-    /// Solves eq. 3.8 and 3.9.
-    ///
-    /// # Errors
-    /// [`Unidentified`] when the motion or the accelerometer does not carry the parameters.
-    pub fn solve(&self) -> Result<Identified, Unidentified> {
-        let (p, n) = (&self.positive, &self.negative);
-        if p.samples < FEWEST || n.samples < FEWEST {
-            return Err(Unidentified::TooLittleMotion { positive: p.samples, negative: n.samples });
+impl Solver {
+    /// For what this procedure records on this device.
+    #[must_use]
+    pub fn new(device: &Device, procedure: &Procedure) -> Self {
+        Self {
+            units: Units::of(device),
+            width: procedure.band_width(),
+            period: device.period,
+            mass: device.mass,
+            damping: device.damping,
+            coming: Default::default(),
+            used: Default::default(),
+            held: None,
+            slow: Default::default(),
+            set_aside: 0,
+            edge: None,
         }
-        // fourth differences of white noise have 70 times its variance; centring has halved it, and tied neighbours
-        let variance_velocity = self.rough.value() / f64::from(self.recorded) / 70.0;
-        let accel = self.accelerometer(variance_velocity)?;
-        let used = f64::from(p.samples) + f64::from(n.samples);
-        let (gram, moment, force_square) = self.normal_equations(&accel, used);
-        let plain = solve(&gram, &moment).map_err(|at| Unidentified::NotIdentifiable(name(at)))?.0;
-        let noise = [accel.variance, 0.0, variance_velocity, 0.0, variance_velocity];
-        let mut corrected = gram;
-        for (k, row) in corrected.iter_mut().enumerate() {
-            if let (Some(diagonal), Some(s)) = (row.get_mut(k), noise.get(k)) {
-                *diagonal -= s;
+    }
+
+    /// Takes a number. The last index begins anew, index 0 ends with the result.
+    pub fn take(&mut self, number: &Number) -> Option<Result<Identified, Unidentified>> {
+        let (band, begins, ends) = number.band();
+        if begins && band == BANDS - 1 {
+            (self.used, self.slow, self.held) = Default::default();
+            (self.set_aside, self.edge) = (0, None);
+        }
+        if let Some(sum) = number.place(&mut self.coming) {
+            *sum = number.value;
+        }
+        if ends {
+            self.band(band);
+        }
+        (number.index == 0).then(|| self.result())
+    }
+
+    /// A band is complete.
+    fn band(&mut self, index: usize) {
+        let ways = self.coming;
+        let count = |ways: &[Moments; 2]| ways[0].samples() + ways[1].samples();
+        let merge = |all: &mut [Moments; 2], ways: &[Moments; 2]| {
+            for (sum, way) in all.iter_mut().zip(ways) {
+                sum.merge(way);
             }
-        }
-        let (beta, inverse) =
-            solve(&corrected, &moment).map_err(|at| Unidentified::NotIdentifiable(name(at)))?;
-        let residual = (force_square - 2.0 * dot(&beta, &moment) + quadratic(&gram, &beta)).max(0.0);
-        let std = deviations(&inverse, &noise, &beta, residual, used);
-        let estimate = |k: usize, sign: f64| Estimate {
-            value: sign * beta.get(k).copied().unwrap_or_default(),
-            std: std.get(k).copied().unwrap_or_default(),
         };
-        let mass = estimate(0, 1.0);
-        let (coulomb_p, coulomb_n) = (estimate(1, 1.0), estimate(3, 1.0));
-        let at_rest = |extreme: Option<(f32, f32)>| {
-            extreme.map_or(0.0, |(force, reading)| {
-                f64::from(force) - mass.value * (accel.scale * f64::from(reading) + accel.offset)
+        if index == BANDS - 1 {
+            self.used = ways;
+            return;
+        }
+        // rest is in the slowest band whatever the friction
+        let steps = self.edge.is_none() && (index == 0 || !self.slides(&ways));
+        if steps {
+            self.edge = Some(index as u8);
+            self.set_aside += self.held.take().as_ref().map_or(0, count);
+        }
+        if self.edge.is_some() {
+            self.set_aside += count(&ways);
+            // the edge itself is somewhere in its band, and only what is below it is surely static
+            if !steps || index == 0 {
+                merge(&mut self.slow, &ways);
+            }
+        } else if let Some(held) = self.held.replace(ways) {
+            merge(&mut self.used, &held);
+        }
+    }
+
+    fn fit(&self) -> Result<Fit, Unidentified> {
+        let [p, n] = &self.used;
+        if p.samples() < FEWEST || n.samples() < FEWEST {
+            return Err(Unidentified::TooLittleMotion { positive: p.samples(), negative: n.samples() });
+        }
+        let ways = [p.in_si(&self.units), n.in_si(&self.units)];
+        Fit::new(&ways, Accelerometer::calibrate(&ways)?)
+    }
+
+    fn slides(&self, ways: &[Moments; 2]) -> bool {
+        // without a fit there is nothing to compare with; the result will say why
+        let Ok(fit) = self.fit() else { return true };
+        fit.explains(&[ways[0].in_si(&self.units), ways[1].in_si(&self.units)])
+    }
+
+    /// Acceleration at the end of a period over that in its middle. The force is held, but damping follows the velocity:
+    /// it takes (b + b_device)·T/2 of what the masses gain. Less than 1 % with the blocks of the thesis, and more than
+    /// the standard deviation of the mass.
+    fn late(&self, fit: &Fit) -> f32 {
+        let damping = self.damping + 0.5 * (fit.viscous[0].value + fit.viscous[1].value);
+        let late = 1.0 - 0.5 * self.period * damping / (self.mass + fit.mass.value);
+        Scalar::clamp(late, 0.9, 1.1)
+    }
+
+    fn result(&self) -> Result<Identified, Unidentified> {
+        let fit = self.fit()?;
+        let [p, n] = &self.used;
+        let at_rest = |way: usize, sign: f32| {
+            let (count, load, reading) = self.slow.get(way)?.departures(&self.units);
+            (count >= 2).then(|| Estimate {
+                value: sign * (load - fit.mass.value * fit.accelerometer.of(reading)),
+                std: Scalar::sqrt(fit.noise_by_accelerometer / count as f32),
             })
         };
+        let edge = f32::from(self.edge.unwrap_or(0));
+        let late = self.late(&fit);
         Ok(Identified {
-            mass,
-            coulomb_p,
-            viscous_p: estimate(2, 1.0),
-            coulomb_n,
-            viscous_n: estimate(4, 1.0),
-            static_p: at_rest(self.highest).max(coulomb_p.value),
-            static_n: (-at_rest(self.lowest)).max(coulomb_n.value),
-            mass_least_squares: plain.first().copied().unwrap_or_default(),
-            accel_scale: accel.scale,
-            accel_offset: accel.offset,
-            variance_acceleration: accel.variance,
-            variance_velocity,
-            relative_error: if force_square > 0.0 { libm::sqrt(residual / force_square) } else { 0.0 },
-            used: p.samples + n.samples,
-            set_aside: self.recorded.saturating_sub(p.samples + n.samples),
-            dv: f64::from(self.dv),
+            mass: Estimate { value: fit.mass.value / late, std: fit.mass.std / late },
+            coulomb_p: fit.coulomb[0],
+            viscous_p: fit.viscous[0],
+            coulomb_n: fit.coulomb[1],
+            viscous_n: fit.viscous[1],
+            static_p: at_rest(0, 1.0),
+            static_n: at_rest(1, -1.0),
+            delta_v: Estimate { value: (edge + 0.5) * self.width, std: self.width * 0.288_675 },
+            mass_least_squares: fit.mass_least_squares / late,
+            accel_scale: fit.accelerometer.scale * late,
+            accel_offset: fit.accelerometer.offset * late,
+            relative_error: fit.relative_error,
+            used: p.samples() + n.samples(),
+            set_aside: self.set_aside,
         })
     }
-
-    /// Reading = slope·d + constant + noise, by least squares; turned round afterwards.
-    fn accelerometer(&self, variance_velocity: f64) -> Result<Accelerometer, Unidentified> {
-        let count = f64::from(self.recorded);
-        let (mean_d, mean_r) = (self.d.value() / count, self.r.value() / count);
-        let var_d = self.dd.value() / count - mean_d * mean_d;
-        let var_r = self.rr.value() / count - mean_r * mean_r;
-        let cov = self.dr.value() / count - mean_d * mean_r;
-        let correlation = cov / libm::sqrt(var_d * var_r);
-        // 130/144: the sum of the squared weights of the four-point difference
-        let noise_d = variance_velocity * (130.0 / 144.0) / f64::from(self.period * self.period);
-        let slope = cov / (var_d - noise_d);
-        if !(correlation >= CORRELATED && slope > 0.0 && slope.is_finite()) {
-            return Err(Unidentified::Accelerometer {
-                correlation: if correlation.is_finite() { correlation } else { 0.0 },
-            });
-        }
-        let scale = 1.0 / slope;
-        let variance = (var_r - slope * cov).max(0.0) * scale * scale;
-        Ok(Accelerometer { scale, offset: mean_d - scale * mean_r, variance })
-    }
-
-    /// XᵀX/N, XᵀF/N and FᵀF/N with the calibrated acceleration; sgn v₋ is −1 where v < 0.
-    fn normal_equations(&self, accel: &Accelerometer, used: f64) -> (Matrix, Vector, f64) {
-        let (scale, offset) = (accel.scale, accel.offset);
-        let side = |s: &DirectionSums| {
-            let n = f64::from(s.samples);
-            let (r, v, f) = (s.r.value(), s.v.value(), s.f.value());
-            (
-                scale * scale * s.rr.value() + 2.0 * scale * offset * r + offset * offset * n,
-                scale * r + offset * n,
-                scale * s.rv.value() + offset * v,
-                scale * s.rf.value() + offset * f,
-                (n, v, f, s.vv.value(), s.vf.value(), s.ff.value()),
-            )
-        };
-        let (aa_p, a_p, av_p, af_p, (n_p, v_p, f_p, vv_p, vf_p, ff_p)) = side(&self.positive);
-        let (aa_n, a_n, av_n, af_n, (n_n, v_n, f_n, vv_n, vf_n, ff_n)) = side(&self.negative);
-        let gram = [
-            [aa_p + aa_n, a_p, av_p, -a_n, av_n],
-            [a_p, n_p, v_p, 0.0, 0.0],
-            [av_p, v_p, vv_p, 0.0, 0.0],
-            [-a_n, 0.0, 0.0, n_n, -v_n],
-            [av_n, 0.0, 0.0, -v_n, vv_n],
-        ];
-        let moment = [af_p + af_n, f_p, vf_p, -f_n, vf_n];
-        (gram.map(|row| row.map(|x| x / used)), moment.map(|x| x / used), (ff_p + ff_n) / used)
-    }
-}
-
-/// Standard deviations of Fuller's estimator with the error variances known (Fuller 1987, 2.2):
-/// V = [M⁻¹σ² + M⁻¹(Sσ² + Sββ'S)M⁻¹]/N, with σ² the variance of e = F − Xβ, M = XᵀX/N − S.
-fn deviations(inverse: &Matrix, noise: &Vector, beta: &Vector, residual: f64, used: f64) -> Vector {
-    let sb: Vector = core::array::from_fn(|k| at(noise, k) * at(beta, k));
-    core::array::from_fn(|k| {
-        let row = inverse.get(k).copied().unwrap_or_default();
-        let through: f64 = row.iter().zip(noise).map(|(m, s)| m * m * s).sum();
-        let along = dot(&row, &sb);
-        libm::sqrt(((at(&row, k) + through) * residual + along * along) / used)
-    })
-}
-
-fn name(at: usize) -> &'static str {
-    NAMES.get(at).copied().unwrap_or("a parameter")
-}
-
-fn at(x: &Vector, k: usize) -> f64 {
-    x.get(k).copied().unwrap_or_default()
-}
-
-fn dot(a: &Vector, b: &Vector) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn quadratic(m: &Matrix, x: &Vector) -> f64 {
-    m.iter().zip(x).map(|(row, xi)| xi * dot(row, x)).sum()
-}
-
-/// Solution and inverse of a symmetric positive definite system, by Gauss-Jordan on the diagonal; or the column whose
-/// pivot vanished.
-#[allow(clippy::indexing_slicing)] // constant 5×5, outside the control step
-fn solve(matrix: &Matrix, right: &Vector) -> Result<(Vector, Matrix), usize> {
-    let mut m = *matrix;
-    let mut inverse: Matrix = core::array::from_fn(|r| core::array::from_fn(|c| f64::from(u8::from(r == c))));
-    for k in 0..5 {
-        let pivot = m[k][k];
-        // what the other columns leave of this one, relative to it
-        if !(pivot > 1e-9 * matrix[k][k].abs() && pivot.is_finite()) {
-            return Err(k);
-        }
-        for c in 0..5 {
-            m[k][c] /= pivot;
-            inverse[k][c] /= pivot;
-        }
-        for r in 0..5 {
-            if r != k {
-                let factor = m[r][k];
-                for c in 0..5 {
-                    m[r][c] -= factor * m[k][c];
-                    inverse[r][c] -= factor * inverse[k][c];
-                }
-            }
-        }
-    }
-    Ok((core::array::from_fn(|r| dot(&inverse[r], right)), inverse))
 }
 
 impl Identified {
@@ -273,18 +235,20 @@ impl Identified {
     /// within what `device` can hold; `Settings::validate` has the last word.
     #[must_use]
     pub fn to_settings(&self, base: &Settings, device: &Device) -> Settings {
-        let level = |x: f64| (x.max(0.0) as f32).min(device.force_max);
+        let level = |x: f32| Scalar::clamp(x, 0.0, device.force_max);
+        let fixed =
+            |x: Option<Estimate>, dynamic: f32| Scalar::max(level(x.map_or(0.0, |d| d.value)), dynamic);
         let (f_dynamic_p, f_dynamic_n) = (level(self.coulomb_p.value), level(self.coulomb_n.value));
         Settings {
             law: LawKind::Karnopp,
             f_dynamic_p,
             f_dynamic_n,
-            f_static_p: level(self.static_p).max(f_dynamic_p),
-            f_static_n: level(self.static_n).max(f_dynamic_n),
-            damping_p: self.viscous_p.value as f32,
-            damping_n: self.viscous_n.value as f32,
-            dv: self.dv as f32,
-            mass: self.mass.value as f32,
+            f_static_p: fixed(self.static_p, f_dynamic_p),
+            f_static_n: fixed(self.static_n, f_dynamic_n),
+            damping_p: self.viscous_p.value,
+            damping_n: self.viscous_n.value,
+            dv: self.delta_v.value,
+            mass: self.mass.value,
             ..*base
         }
     }
