@@ -17,6 +17,8 @@ pub(super) type Line = String<LINE>;
 pub(super) enum Pending {
     /// New settings; under the name of a preset, or a parameter was set.
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
+    /// Another control rate: the device with its period.
+    Rate(Device),
     /// `render`
     Render(bool),
     /// `move`, and for how long the host may be silent, s
@@ -52,6 +54,7 @@ impl Pending {
                     Named::Parameter(name) => value(settings, name, out),
                 }
             }
+            Self::Rate(device) => write!(out, "ok rate {:.0} Hz", 1.0 / device.period),
             Self::Render(on) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
             Self::Move(e, watch) => {
                 let (wave, amplitude, frequency) = (e.wave.id(), e.amplitude_m, e.frequency_hz);

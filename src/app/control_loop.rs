@@ -12,6 +12,7 @@ pub struct ControlLoop {
     first: Config,
     /// The first of the queue is in use.
     replaced: bool,
+    period_ticks: u32,
     state: State,
     step: u32,
     mode: ModeId,
@@ -25,6 +26,7 @@ impl ControlLoop {
     pub fn new(config: Config) -> Self {
         Self {
             state: State::new(config.device()),
+            period_ticks: config.period_ticks(),
             first: config,
             replaced: false,
             step: 0,
@@ -87,7 +89,9 @@ impl ControlLoop {
                 ends.configs.skip(1);
             }
             self.replaced = true;
-            self.state.reconfigured();
+            let period = ends.configs.try_peek().map_or(self.period_ticks, Config::period_ticks);
+            self.state.reconfigured(period != self.period_ticks);
+            self.period_ticks = period;
         }
         waiting
     }
@@ -96,6 +100,12 @@ impl ControlLoop {
     #[must_use]
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// Timer ticks to the next step, as the configuration in use wants it.
+    #[must_use]
+    pub fn period_ticks(&self) -> u32 {
+        self.period_ticks
     }
 
     /// Control steps since the start; wraps.

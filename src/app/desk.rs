@@ -222,6 +222,7 @@ impl Desk {
                         self.preset = name;
                     }
                 }
+                Pending::Rate(device) => self.device = device,
                 Pending::Clear => self.fault = None,
                 _ => {}
             }
@@ -366,6 +367,8 @@ impl Desk {
                 self.stream = Some(Stream::new(decimation, self.preset.clone()));
             }
             Command::Watch(seconds) => self.watch(seconds),
+            Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", 1.0 / self.device.period)),
+            Command::Rate(Some(hz)) => self.rate(hz, now, ends),
             Command::SelfTest => match self.last.map(|t| t.outputs.mode) {
                 Some(ModeId::Idle) => self.selftest = Some(SelfTest::default()),
                 Some(mode) => {
@@ -432,11 +435,30 @@ impl Desk {
 
     fn configure(&mut self, settings: Settings, name: Named, now: u32, ends: &mut DeskEnds<'_>) {
         match settings.validate(&self.device).and_then(|w| Ok((w, settings.build(&self.device)?))) {
-            Ok((warning, config)) => match ends.configure.try_push(config) {
-                Ok(()) => self.pending = Some((Pending::Settings { settings, name, warning }, now)),
-                Err(_) => self.busy(),
-            },
+            Ok((warning, config)) => {
+                self.reconfigure(config, Pending::Settings { settings, name, warning }, now, ends);
+            }
             Err(refused) => self.err("REFUSED", refused),
+        }
+    }
+
+    /// Another control rate, if the active settings are stable at it and nothing moves.
+    fn rate(&mut self, hz: u32, now: u32, ends: &mut DeskEnds<'_>) {
+        if let Some(mode) = self.last.map(|t| t.outputs.mode).filter(|mode| *mode != ModeId::Idle) {
+            return self.err("BUSY", format_args!("{}; accepted while idle: `stop` first", mode.id()));
+        }
+        let device = Device { period: 1.0 / hz as f32, ..self.device };
+        match self.settings.build(&device) {
+            Ok(config) => self.reconfigure(config, Pending::Rate(device), now, ends),
+            Err(refused) => self.err("REFUSED", refused),
+        }
+    }
+
+    /// Hands a configuration to the control loop; the answer comes when it is in use.
+    fn reconfigure(&mut self, config: Config, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
+        match ends.configure.try_push(config) {
+            Ok(()) => self.pending = Some((pending, now)),
+            Err(_) => self.busy(),
         }
     }
 

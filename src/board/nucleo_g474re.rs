@@ -16,10 +16,10 @@
 //! # Timing contract
 //!
 //! ```text
-//! TIM6 update (1 kHz)            JEOS                         TIM7 update        TIM6 update
-//!   |-- load cell 16×, accel 16× --|-- control step --|            |                   |
-//!   0                          14.3 µs          23 µs, at most 33  60 µs               1 ms
-//!   ADC1 triggered            interrupt, encoder read   DHR        DAC output changes
+//! TIM6 update (1 to 20 kHz)       JEOS                     TIM7 update        TIM6 update
+//!   |-- load cell 16×, accel 16× --|-- control step --|         |                  |
+//!   0                          14.3 µs              23 µs     33.5 µs         1 ms … 50 µs
+//!   ADC1 triggered            interrupt, encoder    DHR    DAC output changes
 //! ```
 //!
 //! * Every encoder edge that TIM2 counts appears on its *encoder clock output* (CR2.MMS = 1000) and makes TIM5,
@@ -27,8 +27,7 @@
 //!   hardware, whatever the processor is doing.
 //! * The interrupt reads count and time until two readings agree, so that a count never goes with the time of
 //!   another edge, and stamps the sample with TIM5.
-//! * The step takes 8 µs, and 19 µs when it swaps the configuration (tests/elf, without flash wait states: the
-//!   hardware needs more, and has 46).
+//! * The step takes 8 to 10 µs (tests/elf, without flash wait states: the hardware needs more, and has 19).
 //! * The force is written into the DAC's holding register and put out by TIM7, in phase with TIM6 by
 //!   construction: the output has no software jitter.
 //! * The control interrupt has priority 0 and everything else 6 or lower. Only critical sections can delay it:
@@ -66,10 +65,10 @@ use static_cell::StaticCell;
 
 /// Rate of core, timers and time stamps, Hz.
 pub const TICK_HZ: u32 = 170_000_000;
-/// Rate of the control loop, Hz.
-pub const LOOP_HZ: u32 = 1_000;
-/// From the start of conversion to the change of the force, µs. The conversions take 14.3 µs.
-const LATCH_US: u32 = 60;
+/// Rate of the control loop after a start, Hz.
+pub const LOOP_HZ: u32 = haptics::RATES[0];
+/// From the start of conversion to the change of the force, ns. The conversions take 14.3 µs.
+const LATCH_NS: u32 = 33_500;
 /// Time without a healthy loop after which the chip resets, µs.
 pub const WATCHDOG_US: u32 = 50_000;
 /// Baud rate of the serial line.
@@ -78,12 +77,15 @@ pub const BAUD: u32 = 921_600;
 pub const RX_BYTES: usize = 4096;
 /// N of one step of the DAC, whose code 2048 is no force.
 pub const NEWTON_PER_CODE: f32 = 10.0 / 2048.0;
+/// From the reading of the encoder to the change of the force, s: the conversions are over by then.
+const DELAY_S: f32 = 20e-6;
 /// Code of no force.
 const DAC_ZERO: u16 = 2048;
 /// TIM6 and TIM7 count at a quarter of the clock, so that one period fits 16 bits.
 const PACE_DIVIDER: u32 = 4;
-const PACE_PERIOD: u32 = TICK_HZ / PACE_DIVIDER / LOOP_HZ;
-const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000_000 * LATCH_US + LATCH_US / 2;
+const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000 * (LATCH_NS / 100) / 10_000;
+/// Ticks of a control period after a start.
+const PERIOD_TICKS: u32 = TICK_HZ / LOOP_HZ;
 const ENABLE_PIN: usize = 10;
 
 bind_interrupts!(struct Irqs {
@@ -99,6 +101,8 @@ struct Loop {
     boot_fault: Option<FaultKind>,
     /// Consecutive periods in which the emergency stop was open.
     stop_open: u32,
+    /// Length of the period that the timers keep, ticks.
+    period_ticks: u32,
 }
 
 /// Periods for which the emergency stop must be open: shorter is a spark, not a hand.
@@ -115,6 +119,12 @@ impl Loop {
         let raise = self.boot_fault.take().or(raise.then_some(FaultKind::EmergencyStop));
         let outputs = self.control.tick(&mut self.ends, &inputs, raise);
         self.hardware.drive(outputs.force, outputs.amplifier && !stopped);
+        let period_ticks = self.control.period_ticks();
+        if period_ticks != self.period_ticks {
+            setup::change_pace(period_ticks);
+            self.period_ticks = period_ticks;
+            PERIOD.store(period_ticks, Relaxed);
+        }
         let cycles = pac::TIM5.cnt().read().wrapping_sub(inputs.sample_ticks);
         if u32::from(pac::TIM6.cnt().read().cnt()) >= LATCH_COUNTS {
             LATE.fetch_add(1, Relaxed);
@@ -128,6 +138,13 @@ static LOOP: Mutex<CriticalSectionRawMutex, RefCell<Option<Loop>>> = Mutex::new(
 static STEPS: AtomicU32 = AtomicU32::new(0);
 static LATE: AtomicU32 = AtomicU32::new(0);
 static WORST: AtomicU32 = AtomicU32::new(0);
+static PERIOD: AtomicU32 = AtomicU32::new(PERIOD_TICKS);
+
+/// Control steps in so many milliseconds at the present rate.
+#[must_use]
+pub fn steps_in_ms(ms: u32) -> u32 {
+    (TICK_HZ / 1_000 * ms).checked_div(PERIOD.load(Relaxed)).unwrap_or(0)
+}
 
 /// Control steps since boot; wraps.
 #[must_use]
@@ -301,7 +318,16 @@ impl Peripherals {
     pub fn start(self, control: ControlLoop, ends: ControlEnds<'static>) -> Rest {
         let Self { hardware, console, watchdog, led, reset_cause } = self;
         let boot_fault = reset_cause.fault();
-        LOOP.lock(|cell| cell.replace(Some(Loop { hardware, control, ends, boot_fault, stop_open: 0 })));
+        LOOP.lock(|cell| {
+            cell.replace(Some(Loop {
+                hardware,
+                control,
+                ends,
+                boot_fault,
+                stop_open: 0,
+                period_ticks: PERIOD_TICKS,
+            }))
+        });
         interrupt::ADC1_2.set_priority(Priority::P0);
         interrupt::LPUART1.set_priority(Priority::P6);
         interrupt::TIM4.set_priority(Priority::P7); // embassy-time
@@ -333,7 +359,7 @@ impl Board for Nucleo {
 
     fn device(&self) -> Device {
         // the rig of the thesis on this board's clock and rate
-        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, ..Device::default() }
+        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, ..Device::default() }
     }
 
     fn now_ms(&self) -> u32 {

@@ -90,7 +90,7 @@ pub struct SimulatedBoard {
     rig: Rig<Slide>,
     hand: Holder,
     force: f64,
-    periods: u64,
+    milliseconds: u64,
     library: Library<SimulatedFlash>,
     stored: Option<Result<(), NotStored>>,
     lasting: String,
@@ -127,13 +127,12 @@ impl SimulatedBoard {
         let rig = Rig::new(config.rig, NOTHING, config.seed).map_err(Unfit::Rig)?;
         let lasting = flash.lasting();
         let library = block_on(Library::open(flash, each)).map_err(Unfit::Presets)?;
-        Ok(Self { rig, hand: Holder::Nobody, force: 0.0, periods: 0, library, stored: None, lasting })
+        Ok(Self { rig, hand: Holder::Nobody, force: 0.0, milliseconds: 0, library, stored: None, lasting })
     }
 
     /// One period of the rig under the last force.
     fn sample(&mut self) -> Inputs {
         let sensors = self.rig.tick(self.force, &mut self.hand);
-        self.periods += 1;
         Inputs {
             sample_ticks: sensors.sample_ticks,
             count: sensors.count,
@@ -141,6 +140,17 @@ impl SimulatedBoard {
             load_code: sensors.load_code,
             accel_code: sensors.accel_code,
         }
+    }
+
+    fn periods_in_ms(&self) -> u32 {
+        let config = self.rig.config();
+        (config.calibration.tick_hz / 1_000).checked_div(config.period_ticks).unwrap_or(1).max(1)
+    }
+
+    /// True when it was another before.
+    fn set_period(&mut self, ticks: u32) -> bool {
+        // a length that no rig has keeps the old one, and the loop latches that its deadline was missed
+        ticks != self.rig.config().period_ticks && self.rig.set_period_ticks(ticks).is_ok()
     }
 
     fn drive(&mut self, outputs: &Outputs) {
@@ -275,7 +285,7 @@ impl Board for SimulatedBoard {
 
     fn now_ms(&self) -> u32 {
         // wraps as on the board
-        (self.periods as f64 * self.rig.config().period() * 1e3) as u64 as u32
+        self.milliseconds as u32
     }
 
     fn late_steps(&self) -> u32 {
@@ -412,12 +422,18 @@ impl VirtualDevice {
             && self.desk.waiting_output() == 0
     }
 
-    /// One control period of virtual time.
+    /// One millisecond of virtual time: as many control periods as the rate has in it.
     pub fn tick(&mut self) {
-        let inputs = self.board.sample();
         let (mut control_ends, mut desk_ends) = self.queues.split();
-        self.outputs = self.control.tick(&mut control_ends, &inputs, None);
-        self.board.drive(&self.outputs);
+        for _ in 0..self.board.periods_in_ms() {
+            let inputs = self.board.sample();
+            self.outputs = self.control.tick(&mut control_ends, &inputs, None);
+            self.board.drive(&self.outputs);
+            if self.board.set_period(self.control.period_ticks()) {
+                break;
+            }
+        }
+        self.board.milliseconds += 1;
         let (bytes, _) = self.input.as_slices();
         let taken = self.desk.receive(bytes, &mut desk_ends, &mut self.board);
         self.input.drain(..taken);

@@ -8,8 +8,6 @@ use tribos_firmware::board::nucleo_g474re as board;
 
 /// How often the loop is looked at, ms.
 const LOOK_MS: u64 = 10;
-/// Control steps there must have been since the last look: all, but for the phase of the two clocks.
-const ENOUGH: u32 = LOOK_MS as u32 - 1;
 /// Looks between two changes of the lamp: 1 Hz.
 const BLINK: u32 = 50;
 
@@ -23,7 +21,8 @@ pub async fn run(mut watchdog: IndependentWatchdog<'static, IWDG>, mut lamp: Out
     loop {
         tick.next().await;
         let steps = board::steps();
-        if steps.wrapping_sub(last) >= ENOUGH {
+        // all there must have been since the last look, but for the phase of the two clocks
+        if steps.wrapping_sub(last) >= board::steps_in_ms(LOOK_MS as u32 - 1) {
             watchdog.pet();
             looks = looks.wrapping_add(1);
             if looks.is_multiple_of(BLINK) {

@@ -7,14 +7,15 @@ mod agreement;
 mod board;
 mod identification;
 mod no_panic;
+mod rate;
 mod safety;
 
 use board::Board;
 use haptics::ModeId;
 use link::Frame;
 
-/// Distance of the force's output from the end of conversion, µs: 60 µs after the trigger, of which the conversions take 14.3 µs.
-const LATENCY_US: f64 = 45.7;
+/// Distance of the force's output from the end of conversion, µs: 33.5 µs after the trigger, of which the conversions take 14.3 µs.
+const LATENCY_US: f64 = 19.2;
 
 #[test]
 fn every_timer_interrupt_runs_a_step_and_none_is_missed_under_full_load() {

@@ -4,8 +4,11 @@ use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
 use crate::silence;
 use crate::{Biquad, Device, RendererKind, Settings};
-use friction::Law;
 use friction::effects::Effect;
+use friction::{Law, Scalar};
+
+/// Time constant of a swap's difference, s: gone in some 20 ms, too slow to click, too fast to feel.
+const BLEND_S: f32 = 6e-3;
 
 /// A validated configuration; made by [`Settings::build`] only.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +28,8 @@ pub struct Config {
     /// m/s of one count per tick.
     pub(crate) metre_per_second: f32,
     pub(crate) period_ticks: u32,
+    /// What is left of a swap's difference after one period.
+    pub(crate) blend_decay: f32,
     pub(crate) low_pass: Biquad,
     pub(crate) timing: Timing,
     pub(crate) silence: silence::Bounds,
@@ -46,10 +51,17 @@ impl Config {
             mass_per_period: settings.mass / device.period,
             metre_per_second: device.metre_per_count * device.tick_hz as f32,
             period_ticks: device.period_ticks(),
+            blend_decay: Scalar::exp(device.period * (-1.0 / BLEND_S)),
             low_pass: Biquad::low_pass(device.command_cutoff_hz, device.period),
             timing: Timing::new(device.period),
             silence: silence::Bounds::new(device),
         }
+    }
+
+    /// Timer ticks in a control period.
+    #[must_use]
+    pub fn period_ticks(&self) -> u32 {
+        self.period_ticks
     }
 
     /// The device this was built for.

@@ -18,8 +18,8 @@ impl Control {
 
     /// Replaces what runs, without a jump in force.
     pub fn configure(&mut self, config: Config) {
+        self.state.reconfigured(config.period_ticks() != self.config.period_ticks());
         self.config = config;
-        self.state.reconfigured();
     }
 
     /// Handles the request, then one control step.

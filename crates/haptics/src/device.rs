@@ -24,6 +24,8 @@ pub struct Device {
     pub tick_hz: u32,
     /// Control period T, s.
     pub period: f32,
+    /// From a sample to the change of the force that answers it, s; what the stability bounds reckon with.
+    pub delay: f32,
     /// Handle travel of one quadrature count, m.
     pub metre_per_count: f32,
     /// Equivalent inertia of motor and slide m, kg.
@@ -60,6 +62,9 @@ pub struct Device {
     pub command_cutoff_hz: f32,
 }
 
+/// Control rates a board may run at, Hz; the first after a start.
+pub const RATES: &[u32] = &[1_000, 2_000, 5_000, 10_000, 20_000];
+
 impl Device {
     /// Timer ticks in a control period.
     #[must_use]
@@ -74,6 +79,7 @@ impl Default for Device {
         Self {
             tick_hz: 170_000_000,
             period: 1e-3,
+            delay: 0.0,
             metre_per_count: 2.57e-6,
             mass: 0.692,
             damping: 6.92,

@@ -45,7 +45,7 @@ pub mod wave;
 
 pub use config::Config;
 pub use control::Control;
-pub use device::{Channel, Device};
+pub use device::{Channel, Device, RATES};
 pub use estimator::Estimator;
 pub use excitation::Excitation;
 pub use fault::{Denied, FaultKind};

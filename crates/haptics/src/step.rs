@@ -30,9 +30,6 @@ pub struct State {
     recorder: Recorder,
 }
 
-/// What is left of a swap's difference after one period: gone in some 20 ms, too slow to click, too fast to feel.
-const BLEND_DECAY: f32 = 0.85;
-
 impl State {
     /// Idle, at rest, no fault.
     #[must_use]
@@ -50,9 +47,13 @@ impl State {
         }
     }
 
-    /// The next step will run with another configuration: it goes on without a jump in force.
-    pub fn reconfigured(&mut self) {
+    /// The next step will run with another configuration: it goes on without a jump in force. When the period is
+    /// another one, too, the time since the last step says nothing.
+    pub fn reconfigured(&mut self, period_changes: bool) {
         self.reconfigured = true;
+        if period_changes {
+            self.previous_ticks = None;
+        }
     }
 
     /// A contact whose memory does not belong to the configuration is made anew.
@@ -277,7 +278,7 @@ fn run_mode(
                 state.blend = state.force - rendered.force;
             }
             // a difference that is not a number is not worth keeping; the fault shows in the force itself
-            state.blend = if state.blend.abs() > 1e-4 { state.blend * BLEND_DECAY } else { 0.0 };
+            state.blend = if state.blend.abs() > 1e-4 { state.blend * config.blend_decay } else { 0.0 };
             describe(&rendered, outputs);
             Some(rendered.force + state.blend)
         }

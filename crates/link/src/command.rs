@@ -41,6 +41,8 @@ pub enum Command<'a> {
     SelfTest,
     /// `watch [SECONDS]`: how long the host may be silent while it drives the handle; 0: for ever.
     Watch(Option<f32>),
+    /// `rate [HZ]`: control periods in a second.
+    Rate(Option<u32>),
 }
 
 /// `preset …`
@@ -148,6 +150,7 @@ impl<'a> Command<'a> {
             "move" => Self::Move(motion(&mut words)?),
             "stream" => Self::Stream(stream(&mut words)?),
             "watch" => Self::Watch(watch(&mut words)?),
+            "rate" => Self::Rate(rate(&mut words)?),
             _ => return Err(BadCommand::Unknown(word)),
         };
         words.end()?;
@@ -214,6 +217,14 @@ fn watch<'a>(words: &mut Words<'a>) -> Result<Option<f32>, BadCommand<'a>> {
     }
 }
 
+const RATE: &str = "1000, 2000, 5000, 10000 or 20000";
+
+fn rate<'a>(words: &mut Words<'a>) -> Result<Option<u32>, BadCommand<'a>> {
+    let Some(text) = words.rest.next() else { return Ok(None) };
+    let number = text.parse::<u32>().ok().filter(|hz| haptics::RATES.contains(hz));
+    number.map(Some).ok_or(BadCommand::NotANumber("HZ", text, RATE))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,6 +261,8 @@ mod tests {
             ("watch", Command::Watch(None)),
             ("watch 0", Command::Watch(Some(0.0))),
             ("watch 2.5", Command::Watch(Some(2.5))),
+            ("rate", Command::Rate(None)),
+            ("rate 5000", Command::Rate(Some(5000))),
         ] {
             assert_eq!(Command::parse(line), Ok(Some(expected)), "{line}");
         }
@@ -271,6 +284,7 @@ mod tests {
                 "VALUE",
                 "SECONDS = `-1`: accepted is a number of seconds from 0.1 to 3600, or 0 for no watch",
             ),
+            ("rate 3000", "VALUE", "HZ = `3000`: accepted is 1000, 2000, 5000, 10000 or 20000"),
             ("set dv", "SYNTAX", "a word is missing; accepted is `set PARAM VALUE`"),
         ] {
             let bad = Command::parse(line).unwrap_err();

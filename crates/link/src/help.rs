@@ -40,5 +40,6 @@ pub const HELP: &[HelpLine] = &[
     line("fault", "the latched fault and what to do"),
     line("clear", "leaves the fault state; handle at rest, hands off"),
     line("selftest", "sensors, loop and amplifier, at rest"),
+    line("rate [HZ]", "control periods in a second; 1000 after a start"),
     line("version", "what runs here"),
 ];

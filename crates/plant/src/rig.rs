@@ -47,7 +47,9 @@ pub struct Rig<L: FrictionLaw<f64>> {
     /// The last commands, newest at `newest`.
     commands: [f64; DELAY],
     newest: usize,
-    /// Control periods since the start.
+    /// When the present length of the period began, ticks since the start.
+    origin: u64,
+    /// Control periods since then.
     periods: u64,
     /// Sampling instant of the last sample, ticks from its nominal time.
     jitter: i32,
@@ -80,6 +82,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             encoder: Encoder::new(config.calibration.metre_per_count, config.start_position),
             commands: [0.0; DELAY],
             newest: 0,
+            origin: 0,
             periods: 0,
             jitter: 0,
             load_noise: Noise::new(seed, 1),
@@ -96,6 +99,20 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         rig.rebuild();
         rig.sensors = rig.sample();
         Ok(rig)
+    }
+
+    /// From the next tick on a control period has this many timer ticks.
+    ///
+    /// # Errors
+    /// A number of ticks that no rig has; the old length stays.
+    pub fn set_period_ticks(&mut self, ticks: u32) -> Result<(), Invalid> {
+        let changed = RigConfig { period_ticks: ticks, ..self.config };
+        changed.validate()?;
+        self.origin = self.ticks_of(self.periods);
+        self.periods = 0;
+        self.config = changed;
+        self.rebuild();
+        Ok(())
     }
 
     /// Advances one control period and returns the samples at its end.
@@ -226,9 +243,11 @@ impl<L: FrictionLaw<f64>> Rig<L> {
     }
 
     fn time_of(&self, periods: u64) -> f64 {
-        let per = u128::from(self.config.period_ticks);
-        let ticks = u128::from(periods) * per;
-        ticks as f64 / f64::from(self.config.calibration.tick_hz)
+        self.ticks_of(periods) as f64 / f64::from(self.config.calibration.tick_hz)
+    }
+
+    fn ticks_of(&self, periods: u64) -> u64 {
+        self.origin.wrapping_add(periods.wrapping_mul(u64::from(self.config.period_ticks)))
     }
 
     /// Masses and coefficients after a change of configuration or of the hand.
@@ -390,8 +409,13 @@ impl<L: FrictionLaw<f64>> Rig<L> {
     /// Codes and time stamps at the sampling instant.
     fn sample(&mut self) -> Sensors {
         let calibration = &self.config.calibration;
-        let nominal = |periods: u64| (periods as u32).wrapping_mul(self.config.period_ticks);
-        let period_start = nominal(self.periods.saturating_sub(1));
+        // `as` wraps as the counter does
+        let nominal = self.ticks_of(self.periods) as u32;
+        let period_start = if self.periods == 0 && self.origin == 0 {
+            nominal
+        } else {
+            nominal.wrapping_sub(self.config.period_ticks)
+        };
         let wiring = &self.config.wiring;
         let (count, edge_ticks) = self.encoder.read(period_start, f64::from(calibration.tick_hz));
         let (count, edge_ticks) = match wiring.encoder {
@@ -408,7 +432,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             + self.accel_noise.draw(self.config.accel.noise);
         let accel = wiring.accel.pass(accel).unwrap_or(0.0);
         Sensors {
-            sample_ticks: nominal(self.periods).wrapping_add(self.jitter as u32),
+            sample_ticks: nominal.wrapping_add(self.jitter as u32),
             count,
             edge_ticks,
             load_code: calibration.load.to_code(load),

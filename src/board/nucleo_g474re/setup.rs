@@ -1,6 +1,6 @@
 //! What is set up once: clocks, encoder and its time stamps, force output, pace, and why the chip started.
 
-use super::{DAC_ZERO, LATCH_COUNTS, PACE_DIVIDER, PACE_PERIOD, TICK_HZ};
+use super::{DAC_ZERO, LATCH_COUNTS, PACE_DIVIDER, PERIOD_TICKS, TICK_HZ};
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::Priority;
 use embassy_stm32::peripherals::{self, PA0, PA1, TIM2, TIM5, TIM6, TIM7};
@@ -77,16 +77,40 @@ pub(super) fn start_pace() {
     rcc::enable_and_reset::<TIM7>();
     for timer in [pac::TIM6, pac::TIM7] {
         timer.psc().write_value((PACE_DIVIDER - 1) as u16);
-        timer.arr().write(|w| w.set_arr((PACE_PERIOD - 1) as u16));
+        timer.arr().write(|w| w.set_arr(reload(PERIOD_TICKS)));
         timer.egr().write(|w| w.set_ug(true)); // loads both; before the trigger output is connected
         timer.cr2().write(|w| w.set_mms(Mms::UPDATE));
     }
     // both come to their update LATCH_COUNTS apart
-    pac::TIM7.cnt().write(|w| w.set_cnt((PACE_PERIOD - LATCH_COUNTS) as u16));
+    pac::TIM7.cnt().write(|w| w.set_cnt((PERIOD_TICKS / PACE_DIVIDER - LATCH_COUNTS) as u16));
     critical_section::with(|_| {
         pac::TIM6.cr1().write(|w| w.set_cen(true));
         pac::TIM7.cr1().write(|w| w.set_cen(true));
     });
+}
+
+/// Reload value for a control period of so many ticks.
+fn reload(period_ticks: u32) -> u16 {
+    // `as` cannot cut: the longest period is 42 500 counts
+    (period_ticks / PACE_DIVIDER).saturating_sub(1) as u16
+}
+
+/// Another control period, from the present one on. Called by the control interrupt within its step: TIM6 is then
+/// before [`LATCH_COUNTS`] or little after it, and in any case before the end of the shortest period.
+pub(super) fn change_pace(period_ticks: u32) {
+    let (tim6, tim7) = (pac::TIM6, pac::TIM7);
+    tim6.cr1().modify(|w| w.set_cen(false));
+    tim7.cr1().modify(|w| w.set_cen(false));
+    let since = tim6.cnt().read().cnt();
+    for timer in [tim6, tim7] {
+        timer.arr().write(|w| w.set_arr(reload(period_ticks)));
+    }
+    // as in `start_pace`: the update of TIM7 comes LATCH_COUNTS after the one of TIM6
+    let latch = LATCH_COUNTS as u16;
+    let phase = if since < latch { since.wrapping_add(reload(period_ticks) + 1) } else { since };
+    tim7.cnt().write(|w| w.set_cnt(phase.wrapping_sub(latch)));
+    tim6.cr1().modify(|w| w.set_cen(true));
+    tim7.cr1().modify(|w| w.set_cen(true));
 }
 
 /// Reads and clears the reset flags.

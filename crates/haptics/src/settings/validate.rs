@@ -93,6 +93,17 @@ impl Settings {
         within("f_static_n", self.f_static_n, low(self.f_dynamic_n), most, static_why)
     }
 
+    /// Stiffness, N/m, that the handle takes beside so much damping (eq. 4.18, with B and the delay).
+    fn stiffness_cap(device: &Device, damping: f64) -> f64 {
+        bounds::stiffness_max_delayed(
+            f64::from(device.mass),
+            f64::from(device.damping),
+            f64::from(device.period),
+            damping,
+            f64::from(device.delay),
+        )
+    }
+
     /// Most viscous damping, N·s/m, that may be asked for however heavy the block: what the sampled device takes.
     fn damping_cap(device: &Device) -> f64 {
         let (mass, damping, period) =
@@ -137,11 +148,9 @@ impl Settings {
 
     /// The handle held by spring and damper (eq. 4.18, extended by B).
     fn coupling(&self, device: &Device) -> Result<(), Refused> {
-        let (mass, damping, period) =
-            (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
         let most = at_most(Self::damping_cap(device));
         within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, a period of delay lets the handle oscillate")?;
-        let most = at_most(bounds::stiffness_max(mass, damping, period, f64::from(self.b_vc)));
+        let most = at_most(Self::stiffness_cap(device, f64::from(self.b_vc)));
         within("k_vc", self.k_vc, 1.0, most, "N/m; above, the stuck handle oscillates (eq. 4.18)")
     }
 
@@ -166,15 +175,14 @@ impl Settings {
 
     fn bristles(&self, device: &Device) -> Result<(), Refused> {
         within("stribeck_velocity", self.stribeck_velocity, SLOWEST, device.overspeed, "m/s")?;
-        let (mass, damping, period) =
-            (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
+        let period = f64::from(device.period);
         // laws without bristles do not use these, but a switch of law must not meet nonsense
         let (mut sigma_most, mut sigma_1_most) = (1e9, 1e6);
         if matches!(self.law, LawKind::Dahl | LawKind::LuGre) {
             let inner = self.bristle_damping();
             sigma_1_most = at_most(Self::damping_cap(device));
             sigma_most = match self.renderer {
-                RendererKind::Impedance => at_most(bounds::stiffness_max(mass, damping, period, inner)),
+                RendererKind::Impedance => at_most(Self::stiffness_cap(device, inner)),
                 RendererKind::VirtualCoupling => {
                     // what is left when the viscous damping has its share, in N/m
                     let viscous = self.viscous_within(device);
@@ -244,10 +252,7 @@ impl Settings {
             RendererKind::Impedance => {
                 let (mass, damping) = (f64::from(device.mass), f64::from(device.damping));
                 let most = DAMPING_SHARE * bounds::damping_max(mass, damping, period);
-                (
-                    bounds::stiffness_max(mass, damping, period, f64::from(self.b_vc)) - f64::from(self.k_vc),
-                    most,
-                )
+                (Self::stiffness_cap(device, f64::from(self.b_vc)) - f64::from(self.k_vc), most)
             }
             RendererKind::VirtualCoupling => {
                 let mass = f64::from(self.mass);

@@ -4,6 +4,10 @@
 //! τ = m/b. `f64`: the differences below cancel four digits, which `f32` does not have to give away. None of this
 //! runs in the control step.
 
+mod delay;
+
+pub use delay::stiffness_max_delayed;
+
 /// E = e^(−T/τ): what is left of a velocity after one period.
 fn decay(mass: f64, damping: f64, period: f64) -> f64 {
     1.0 + libm::expm1(-damping * period / mass)
