@@ -30,19 +30,23 @@
 //! * The step takes 8 to 10 µs (tests/elf, without flash wait states: the hardware needs more, and has 19).
 //! * The force is written into the DAC's holding register and put out by TIM7, in phase with TIM6 by
 //!   construction: the output has no software jitter.
-//! * The control interrupt has priority 0 and everything else 6 or lower. Only critical sections can delay it:
+//! * The control interrupt has priority 0, the voltage detector 1 and everything else 6 or lower. Only critical sections can delay it:
 //!   those of embassy's timer queue, and one for every line of the log, which waits for nobody.
 //!
 //! **Overrun.** A step that is not done when TIM7 fires puts its force out one period late, and is counted
 //! ([`late_steps`]). A step that is still running at the next JEOS makes the next sample late: the stamp shows it
-//! and the control step latches the fault `missed_deadline`. If steps stop altogether the supervisor stops feeding
-//! the watchdog and the chip resets within [`WATCHDOG_US`], which drops the enable pin. After a reset that was not
-//! asked for the loop starts with the fault `hardware` latched.
+//! and the control step latches the fault `missed_deadline`. If steps stop altogether the console task
+//! drops the enable pin within 5 ms and restarts; if it cannot, the watchdog is not fed, either, and the chip resets within [`WATCHDOG_US`]. After a reset that was not
+//! asked for the loop starts with a fault latched that says why: `watchdog`, `panic`, `crash`, `brown_out`.
+//!
+//! **Brown-out.** When VDD falls below 2.9 V the voltage detector's interrupt drops the enable pin within
+//! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR).
 //!
 //! **Emergency stop.** Open for three periods: the enable pin falls in that very period, whatever the control step
 //! says, and the fault is raised every other period for as long as it lasts, so that `clear` cannot outlast it.
 
 pub mod flash;
+mod last_words;
 mod setup;
 
 pub use setup::ResetCause;
@@ -51,7 +55,7 @@ use super::Board;
 use crate::app::{ControlEnds, ControlLoop};
 use crate::presets::NotStored;
 use core::cell::RefCell;
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
 use embassy_stm32::gpio::{Flex, Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
@@ -103,6 +107,8 @@ struct Loop {
     stop_open: u32,
     /// Length of the period that the timers keep, ticks.
     period_ticks: u32,
+    /// A fault of the board was raised in the last period.
+    raised: bool,
 }
 
 /// Periods for which the emergency stop must be open: shorter is a spark, not a hand.
@@ -113,12 +119,18 @@ impl Loop {
         let inputs = self.hardware.sample();
         self.stop_open =
             if self.hardware.emergency_stop.is_high() { self.stop_open.saturating_add(1) } else { 0 };
-        let stopped = self.stop_open >= STOP_PERIODS;
-        // the periods between are for requests: they are answered while the stop is open, and refused
-        let raise = stopped && (self.stop_open - STOP_PERIODS).is_multiple_of(2);
-        let raise = self.boot_fault.take().or(raise.then_some(FaultKind::EmergencyStop));
+        let trouble = if self.stop_open >= STOP_PERIODS {
+            Some(FaultKind::EmergencyStop)
+        } else if SUPPLY_LOW.load(Relaxed) {
+            Some(FaultKind::BrownOut)
+        } else {
+            None
+        };
+        // the periods between are for requests: they are answered while the trouble lasts, and refused
+        self.raised = trouble.is_some() && !self.raised;
+        let raise = self.boot_fault.take().or(if self.raised { trouble } else { None });
         let outputs = self.control.tick(&mut self.ends, &inputs, raise);
-        self.hardware.drive(outputs.force, outputs.amplifier && !stopped);
+        self.hardware.drive(outputs.force, outputs.amplifier && trouble.is_none());
         let period_ticks = self.control.period_ticks();
         if period_ticks != self.period_ticks {
             setup::change_pace(period_ticks);
@@ -135,6 +147,8 @@ impl Loop {
 }
 
 static LOOP: Mutex<CriticalSectionRawMutex, RefCell<Option<Loop>>> = Mutex::new(RefCell::new(None));
+/// The supply is below the threshold of the voltage detector.
+static SUPPLY_LOW: AtomicBool = AtomicBool::new(false);
 static STEPS: AtomicU32 = AtomicU32::new(0);
 static LATE: AtomicU32 = AtomicU32::new(0);
 static WORST: AtomicU32 = AtomicU32::new(0);
@@ -174,6 +188,23 @@ fn ADC1_2() {
             control.step();
         }
     });
+}
+
+/// The voltage detector: VDD fell below 2.9 V or is back. The control step may come between any two lines; it sees the
+/// flag, or is followed by the pin.
+#[interrupt]
+fn PVD_PVM() {
+    pac::EXTI.pr(0).write(|w| w.set_line(setup::PVD_LINE, true));
+    let low = pac::PWR.sr2().read().pvdo();
+    SUPPLY_LOW.store(low, Relaxed);
+    if low {
+        pac::GPIOB.bsrr().write(|w| w.set_br(ENABLE_PIN, true));
+        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
+        // if the supply goes on falling the chip is reset and nothing else will say why
+        last_words::keep(FaultKind::BrownOut);
+    } else {
+        last_words::forget();
+    }
 }
 
 /// The registers the control step reads and writes.
@@ -325,14 +356,20 @@ impl Peripherals {
                 ends,
                 boot_fault,
                 stop_open: 0,
+                raised: false,
                 period_ticks: PERIOD_TICKS,
             }))
         });
         interrupt::ADC1_2.set_priority(Priority::P0);
+        interrupt::PVD_PVM.set_priority(Priority::P1); // right below the control step
         interrupt::LPUART1.set_priority(Priority::P6);
         interrupt::TIM4.set_priority(Priority::P7); // embassy-time
         // SAFETY: no critical section of ours is broken by enabling it here, outside of any.
-        unsafe { interrupt::ADC1_2.enable() };
+        unsafe {
+            interrupt::ADC1_2.enable();
+            interrupt::PVD_PVM.enable();
+        }
+        setup::start_voltage_detector();
         setup::start_pace();
         Rest { console, watchdog, led }
     }
@@ -386,17 +423,18 @@ impl Board for Nucleo {
 /// A fault of the processor itself.
 #[cortex_m_rt::exception]
 unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-    restart()
+    restart(FaultKind::Crash)
 }
 
 /// An interrupt nobody asked for.
 #[cortex_m_rt::exception]
 unsafe fn DefaultHandler(_: i16) {
-    restart()
+    restart(FaultKind::Crash)
 }
 
-/// Force off, then a reset.
-pub fn restart() -> ! {
+/// Force off, then a reset; the next start tells why.
+pub fn restart(why: FaultKind) -> ! {
     make_safe();
+    last_words::keep(why);
     cortex_m::peripheral::SCB::sys_reset()
 }

@@ -5,10 +5,11 @@
 
 use embassy_futures::poll_once;
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx};
-use embassy_time::{Duration, Ticker};
+use embassy_time::{Duration, Instant, Ticker};
 use embedded_io_async::{Read, Write};
+use haptics::FaultKind;
 use tribos_firmware::app::{Desk, DeskEnds};
-use tribos_firmware::board::nucleo_g474re::{Nucleo, RX_BYTES};
+use tribos_firmware::board::nucleo_g474re::{self as board, Nucleo, RX_BYTES};
 
 /// Bytes handed to the line at a time: a piece is taken whole or not at all.
 const PIECE: usize = 64;
@@ -18,9 +19,11 @@ pub async fn run(desk: &'static mut Desk, mut ends: DeskEnds<'static>, line: Buf
     let (mut tx, mut rx) = line.split();
     let mut board = Nucleo;
     let mut typed = Typed::new();
+    let mut pulse = Pulse { steps: board::steps(), seen: Instant::now() };
     let mut tick = Ticker::every(Duration::from_millis(1));
     loop {
         tick.next().await;
+        pulse.look();
         typed.fill(&mut rx);
         // the second time for what the first has made room for
         for _ in 0..2 {
@@ -41,6 +44,27 @@ fn send(desk: &mut Desk, tx: &mut BufferedUartTx<'static>) {
         }
         let core::task::Poll::Ready(Ok(sent)) = poll_once(tx.write(piece)) else { return };
         desk.output().sent(sent);
+    }
+}
+
+/// Longest time without a control step.
+const STANDSTILL: Duration = Duration::from_millis(3);
+
+/// Whether the loop lives: looked at here because this task looks up most often.
+struct Pulse {
+    steps: u32,
+    seen: Instant,
+}
+
+impl Pulse {
+    /// Force off and a restart when no step came for [`STANDSTILL`]: nobody else is left to say so.
+    fn look(&mut self) {
+        let steps = board::steps();
+        if steps != self.steps {
+            *self = Self { steps, seen: Instant::now() };
+        } else if self.seen.elapsed() > STANDSTILL {
+            board::restart(FaultKind::MissedDeadline);
+        }
     }
 }
 

@@ -54,5 +54,5 @@ async fn main(spawner: Spawner) {
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     nucleo_g474re::make_safe();
     defmt::error!("{}", defmt::Display2Format(info));
-    nucleo_g474re::restart()
+    nucleo_g474re::restart(haptics::FaultKind::Panic)
 }

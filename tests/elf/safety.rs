@@ -2,11 +2,17 @@
 
 use crate::board::Board;
 use emulator::ResetCause;
+use plant::{Bench, Wire, Wiring};
 
-/// CR1 of TIM6, which paces the loop.
 const TIM6_CR1: u32 = 0x4000_1000;
-/// The control loop has stopped: the watchdog resets the chip within this, ms (the firmware asks for 50).
+const TIM2_CNT: u32 = 0x4000_0024;
+/// A control period and the conversion and step at its end, ms.
+const TICK: f64 = 1.05;
+/// A step that never ends: the watchdog resets the chip within this, ms (the firmware asks for 50).
 const WATCHDOG_MS: f64 = 65.0;
+/// Half the stroke and what may be beyond it while rendering; the bound of the speed.
+const BEYOND: f64 = 0.017;
+const OVERSPEED: f64 = 1.0;
 
 fn rendering() -> Option<Board> {
     let mut board = Board::boot()?;
@@ -18,40 +24,279 @@ fn rendering() -> Option<Board> {
     Some(board)
 }
 
-#[test]
-fn a_loop_that_stops_is_reset_by_the_watchdog_and_waits_for_a_person() {
-    let Some(mut board) = rendering() else { return };
-    let stopped = board.machine.milliseconds();
-    board.machine.poke(TIM6_CR1, 0);
-    board.run(WATCHDOG_MS);
-    let [(at, ResetCause::Watchdog)] = board.machine.resets() else { panic!("{:?}", board.machine.resets()) };
-    println!("pace stopped; reset by the watchdog after {:.1} ms", at - stopped);
-    assert!(!board.machine.amplifier_on());
-    board.run(50.0);
-    assert!(!board.machine.amplifier_on(), "off after the reset too");
+fn moving() -> Option<Board> {
+    let mut board = Board::boot()?;
+    board.ok("watch 1");
+    board.ok("move sine 0.008 2");
+    for _ in 0..6 {
+        board.run(190.0);
+        board.machine.serial_write(b"\n");
+    }
+    assert!(board.machine.amplifier_on());
+    Some(board)
+}
+
+/// Runs until something is true, at most `ms`.
+fn until(board: &mut Board, ms: f64, mut is: impl FnMut(&Board) -> bool) {
+    let end = board.machine.milliseconds() + ms;
+    while !is(board) {
+        assert!(board.machine.milliseconds() < end, "not within {ms} ms");
+        board.machine.run_for(0.005);
+    }
+}
+
+/// One way to go wrong.
+struct Case {
+    fault: &'static str,
+    how: &'static str,
+    start: fn() -> Option<Board>,
+    /// Does it; the evidence is complete when it returns.
+    inject: fn(&mut Board),
+    /// Longest time to the amplifier's enable pin being low, ms.
+    within: f64,
+    repair: fn(&mut Board),
+}
+
+fn nothing(_: &mut Board) {}
+
+const CASES: &[Case] = &[
+    Case {
+        fault: "encoder_jump",
+        how: "5 mm at once",
+        start: rendering,
+        inject: |board| board.machine.poke(TIM2_CNT, 2_000),
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "encoder_silent",
+        how: "cable cut while moving",
+        start: moving,
+        inject: |board| {
+            board.machine.rewire(Wiring { encoder: Wire::Dead, ..Wiring::default() });
+            let v = board.machine.truth().velocity;
+            until(board, 80.0, |board| {
+                (board.machine.truth().velocity - v).abs() > 0.06 || !board.machine.amplifier_on()
+            });
+        },
+        within: 30.0,
+        repair: |board| board.machine.rewire(Wiring::default()),
+    },
+    Case {
+        fault: "sensor_rail",
+        how: "load cell at its end, 3rd sample",
+        start: rendering,
+        inject: |board| board.machine.put_on_bench(Bench { weight: 200.0, gravity: 0.0 }).expect("in range"),
+        within: 2.0 + TICK,
+        repair: |board| board.machine.put_on_bench(Bench::default()).expect("in range"),
+    },
+    Case {
+        fault: "sensor_rail",
+        how: "accelerometer at its end, 3rd sample",
+        start: rendering,
+        inject: |board| board.machine.put_on_bench(Bench { weight: 0.0, gravity: -900.0 }).expect("in range"),
+        within: 2.0 + TICK,
+        repair: |board| board.machine.put_on_bench(Bench::default()).expect("in range"),
+    },
+    Case {
+        fault: "non_finite",
+        how: "stiffness in RAM becomes NaN",
+        start: || {
+            let mut board = rendering()?;
+            board.ok("set k_vc 12345");
+            board.run(20.0);
+            Some(board)
+        },
+        inject: |board| assert!(board.machine.corrupt_ram(12_345.0_f32.to_bits(), f32::NAN.to_bits()) > 0),
+        within: TICK,
+        repair: |board| drop(board.ask("preset use rubber")),
+    },
+    Case {
+        fault: "missed_deadline",
+        how: "a sample 0.8 ms late",
+        start: rendering,
+        inject: |board| {
+            board.machine.poke(TIM6_CR1, 0);
+            board.machine.run_for(0.8);
+            board.machine.poke(TIM6_CR1, 1);
+        },
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "missed_deadline",
+        how: "samples stop altogether",
+        start: rendering,
+        inject: |board| board.machine.poke(TIM6_CR1, 0),
+        within: 5.1,
+        repair: nothing,
+    },
+    Case {
+        fault: "host_silent",
+        how: "1 s after its last byte",
+        start: moving,
+        inject: |board| {
+            board.machine.serial_write(b"\n");
+            board.machine.run_for(990.0);
+        },
+        within: 12.0,
+        repair: nothing,
+    },
+    Case {
+        fault: "end_of_stroke",
+        how: "pushed beyond while driven",
+        start: moving,
+        inject: |board| {
+            board.machine.set_hand(|_: f64, _: f64, v: f64| 40.0 - 60.0 * v);
+            until(board, 200.0, |board| board.machine.truth().position > BEYOND - 0.0015);
+        },
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "overspeed",
+        how: "thrown at 1 m/s",
+        start: rendering,
+        inject: |board| {
+            board.machine.set_hand(|_: f64, _: f64, _: f64| 43.0);
+            until(board, 200.0, |board| board.machine.truth().velocity > OVERSPEED);
+        },
+        // the estimate is that of the middle of the period
+        within: 0.5 + TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "panic",
+        how: "in a task",
+        start: rendering,
+        inject: |board| assert!(board.machine.run_into_task() && board.machine.panic_here()),
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "panic",
+        how: "in the control interrupt",
+        start: rendering,
+        inject: |board| assert!(board.machine.run_into_control() && board.machine.panic_here()),
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "crash",
+        how: "jump to where nothing is",
+        start: rendering,
+        inject: |board| board.machine.derail(0x6000_0000),
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "brown_out",
+        how: "supply falls to 2.8 V",
+        start: rendering,
+        inject: |board| board.machine.set_supply(2_800),
+        within: TICK,
+        repair: |board| board.machine.set_supply(3_300),
+    },
+    Case {
+        fault: "brown_out",
+        how: "supply falls to 1.5 V: reset",
+        start: rendering,
+        inject: |board| {
+            board.machine.set_supply(2_500);
+            board.machine.run_for(0.05);
+            board.machine.set_supply(1_500);
+            board.machine.set_supply(3_300);
+        },
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "emergency_stop",
+        how: "pressed, 3rd sample",
+        start: rendering,
+        inject: |board| board.machine.press_stop(true),
+        within: 2.0 + TICK,
+        repair: |board| board.machine.press_stop(false),
+    },
+];
+
+/// A person takes the handle back to the middle and lets go.
+fn hands_off(board: &mut Board) {
+    board.machine.set_hand(|_: f64, x: f64, v: f64| -200.0 * x - 20.0 * v);
+    board.run(1_200.0);
     board.machine.set_hand(|_: f64, _: f64, _: f64| 0.0);
-    let fault = board.ok("fault");
-    println!("{fault}");
-    assert!(fault.starts_with("ok hardware"), "{fault}");
-    assert!(board.ask("render on")[0].starts_with("err"));
-    assert!(!board.machine.amplifier_on());
+    board.run(150.0);
 }
 
 #[test]
-fn the_emergency_stop_takes_the_force_off_and_cannot_be_cleared_while_it_is_pressed() {
+fn every_fault_takes_the_amplifier_off_in_time_is_latched_named_and_explained() {
+    println!("{:<16} {:<38} {:>10}  message", "fault", "how", "off after");
+    for case in CASES {
+        let Some(mut board) = (case.start)() else { return };
+        (case.inject)(&mut board);
+        let injected = board.machine.milliseconds();
+        while board.machine.amplifier_on() && board.machine.milliseconds() - injected < 100.0 {
+            board.machine.run_for(0.002);
+        }
+        let after = board.machine.milliseconds() - injected;
+        for _ in 0..60 {
+            board.run(1.0);
+            assert!(
+                !board.machine.amplifier_on() && board.machine.force() == 0.0,
+                "{}: on again",
+                case.fault
+            );
+        }
+        let told = board.ok("fault");
+        let why = told.split("; ").skip(1).collect::<Vec<_>>().join("; ");
+        println!("{:<16} {:<38} {after:>7.3} ms  {why}", case.fault, case.how);
+        assert!(told.starts_with(&format!("ok {} ", case.fault)), "{}, {}: {told}", case.fault, case.how);
+        assert!(after <= case.within, "{}, {}: {after} ms", case.fault, case.how);
+        // latched, whatever is asked
+        let refused = board.ask("render on").swap_remove(0);
+        assert!(refused.starts_with("err FAULT_LATCHED: ") && refused.contains(case.fault), "{refused}");
+        assert!(board.ask("move sine 0.005 1")[0].starts_with("err FAULT_LATCHED"));
+        (case.repair)(&mut board);
+        hands_off(&mut board);
+        // while somebody pulls at the handle it cannot be cleared
+        board.machine.put_on_bench(Bench { weight: 4.0, gravity: 0.0 }).expect("in range");
+        board.run(20.0);
+        let pulled = board.ask("clear").swap_remove(0);
+        assert!(pulled.starts_with("err NOT_AT_REST"), "{}: {pulled}", case.fault);
+        board.machine.put_on_bench(Bench::default()).expect("in range");
+        board.run(20.0);
+        board.ok("clear");
+        assert_eq!(board.ok("fault"), "ok no fault", "{}", case.fault);
+        board.ok("render on");
+        board.run(5.0);
+        assert!(board.machine.amplifier_on(), "{}", case.fault);
+    }
+}
+
+#[test]
+fn a_step_that_never_ends_is_reset_by_the_watchdog() {
+    let Some(mut board) = rendering() else { return };
+    // a branch to itself
+    let Some(forever) = board.machine.find_code(0xe7fe) else { panic!("no `b .` in the image") };
+    assert!(board.machine.run_into_control());
+    board.machine.derail(forever);
+    let stuck = board.machine.milliseconds();
+    board.run(WATCHDOG_MS);
+    let [(at, ResetCause::Watchdog)] = board.machine.resets() else { panic!("{:?}", board.machine.resets()) };
+    println!("step never ends: reset by the watchdog after {:.1} ms", at - stuck);
+    board.run(50.0);
+    assert!(!board.machine.amplifier_on(), "off after the reset too");
+    let fault = board.ok("fault");
+    println!("{fault}");
+    assert!(fault.starts_with("ok watchdog"), "{fault}");
+    assert!(board.ask("render on")[0].starts_with("err"));
+}
+
+#[test]
+fn the_emergency_stop_cannot_be_cleared_while_it_is_pressed() {
     let Some(mut board) = rendering() else { return };
     board.machine.press_stop(true);
-    let pressed = board.machine.milliseconds();
-    while board.machine.amplifier_on() && board.machine.milliseconds() - pressed < 20.0 {
-        board.machine.run_for(0.1);
-    }
-    let after = board.machine.milliseconds() - pressed;
-    println!("amplifier off {after:.1} ms after the stop was pressed");
-    assert!(after < 3.2, "{after} ms");
-    board.machine.set_hand(|_: f64, x: f64, v: f64| -200.0 * x - 20.0 * v);
-    board.run(1_000.0);
-    board.machine.set_hand(|_: f64, _: f64, _: f64| 0.0);
-    board.run(200.0);
+    hands_off(&mut board);
     assert!(board.ok("fault").starts_with("ok emergency_stop"));
     board.ask("clear");
     board.run(10.0);
@@ -79,23 +324,16 @@ fn a_spark_on_the_stop_line_stops_nothing() {
 }
 
 #[test]
-fn a_processor_that_runs_astray_takes_the_force_off_at_once() {
-    let Some(mut board) = rendering() else { return };
-    // nothing is mapped there
-    board.machine.derail(0x6000_0000);
-    // it may be asleep: the next interrupt wakes it
-    let astray = board.machine.milliseconds();
-    board.machine.run_for(1.5);
-    let [(at, ResetCause::Software)] = board.machine.resets() else { panic!("{:?}", board.machine.resets()) };
-    let after = at - astray;
-    assert!(!board.machine.amplifier_on() && !board.machine.locked_up());
-    board.machine.set_hand(|_: f64, _: f64, _: f64| 0.0);
-    board.run(50.0);
-    assert!(board.ok("fault").starts_with("ok hardware"));
-    println!("reset by the fault handler after {after:.3} ms, amplifier off, fault latched");
-    // a person has looked
-    board.run(100.0);
-    board.ok("clear");
+fn a_host_that_speaks_keeps_the_handle_moving_and_rendering_needs_no_host() {
+    let Some(mut board) = moving() else { return };
+    for _ in 0..10 {
+        board.machine.serial_write(b"\n");
+        board.run(300.0);
+    }
+    assert_eq!(board.ok("fault"), "ok no fault");
+    board.ok("stop");
+    board.run(800.0);
     board.ok("render on");
-    assert!(board.machine.amplifier_on());
+    board.run(1_500.0);
+    assert!(board.machine.amplifier_on(), "the promise ended with the motion");
 }

@@ -32,6 +32,7 @@ mod rcc;
 mod reach;
 mod soc;
 mod stats;
+mod supply;
 mod tim;
 mod world;
 

@@ -259,6 +259,67 @@ impl Machine {
         self.shared.touched.store(true, Relaxed);
     }
 
+    /// Sets the supply of the chip, mV; 3300 is right. Too low a one resets it.
+    pub fn set_supply(&mut self, millivolt: u32) {
+        let too_low = self.shared.soc().supply.set(millivolt);
+        self.shared.touched.store(true, Relaxed);
+        if too_low {
+            self.reset(ResetCause::PowerOn);
+        }
+    }
+
+    /// Makes the core panic where it is, as an index out of range would: it calls the panic of the core library, with a
+    /// location in RAM that nothing uses. False when the image has no such function.
+    pub fn panic_here(&mut self) -> bool {
+        let called = self.image.symbols.iter().find(|(name, _)| name.contains("panic_bounds_check"));
+        let Some(function) = called.map(|(_, address)| *address & !1) else { return false };
+        let location = self.image.symbol("__sheap").unwrap_or(RAM_BASE) + 64;
+        // the text, its length, line, column
+        for (k, word) in [FLASH_BASE, 4, 7, 1].into_iter().enumerate() {
+            let _ = self.ram.write_at(u64::from(location - RAM_BASE) + 4 * k as u64, &u32::to_le_bytes(word));
+        }
+        for (register, value) in [(0, 7), (1, 4), (2, location)] {
+            self.cpu.set_reg(register, value);
+        }
+        self.cpu.set_pc(function);
+        true
+    }
+
+    /// Runs until the control interrupt has been running for some instructions; false when it does not within 2 ms.
+    pub fn run_into_control(&mut self) -> bool {
+        let end = self.now + 2 * UNITS_PER_MS;
+        self.run_until(end, |machine| machine.entered.is_some_and(|at| machine.cpu.cycles() - at > 300));
+        self.now < end
+    }
+
+    /// Runs until a task is being executed: no interrupt, not asleep; false when none is within 5 ms.
+    pub fn run_into_task(&mut self) -> bool {
+        let end = self.now + 5 * UNITS_PER_MS;
+        self.run_until(end, |machine| machine.cpu.current_exception().0 == 0 && !machine.cpu.is_asleep());
+        self.now < end
+    }
+
+    /// Overwrites every aligned word of RAM that has one value by another, as a stray pointer would; how many there were.
+    pub fn corrupt_ram(&mut self, from: u32, to: u32) -> usize {
+        let mut changed = 0;
+        for at in (0..u64::from(RAM_SIZE)).step_by(4) {
+            let mut word = [0; 4];
+            if self.ram.read_at(at, &mut word).is_ok() && u32::from_le_bytes(word) == from {
+                changed += usize::from(self.ram.write_at(at, &to.to_le_bytes()).is_ok());
+            }
+        }
+        changed
+    }
+
+    /// Address of the first halfword of the image with this value that is code's to have.
+    #[must_use]
+    pub fn find_code(&self, halfword: u16) -> Option<u32> {
+        self.image.flash.iter().find_map(|(address, data)| {
+            let at = data.chunks_exact(2).position(|pair| pair == halfword.to_le_bytes())?;
+            Some(address + 2 * at as u32)
+        })
+    }
+
     /// Sends the core to an address, as a stray bit in a return address would.
     pub fn derail(&mut self, address: u32) {
         self.cpu.set_pc(address);

@@ -7,6 +7,7 @@ use crate::iwdg::Iwdg;
 use crate::lpuart::Lpuart;
 use crate::rcc::{Gate, Rcc, ResetCause};
 use crate::stats::{Statistics, us};
+use crate::supply::Supply;
 use crate::tim::Tim;
 use crate::units_per_cycle;
 use crate::world::World;
@@ -15,7 +16,9 @@ use std::collections::{BTreeSet, HashMap};
 const TIM2: u32 = 0x4000_0000;
 const TIM7_END: u32 = 0x4000_1800;
 const IWDG: u32 = 0x4000_3000;
+const PWR: u32 = 0x4000_7000;
 const LPUART1: u32 = 0x4000_8000;
+const EXTI: u32 = 0x4001_0400;
 const RCC: u32 = 0x4002_1000;
 const FLASH_ACR: u32 = 0x4002_2000;
 const GPIOA: u32 = 0x4800_0000;
@@ -32,8 +35,9 @@ const LPUART_GATE: Gate = (APB1ENR2, 0);
 /// Interrupt numbers of the lines that are driven.
 pub(crate) const IRQ_ADC1_2: u16 = 18;
 const IRQ_TIMERS: [u16; 6] = [28, 29, 30, 50, 54, 55];
+const IRQ_PVD: u16 = 1;
 const IRQ_LPUART1: u16 = 91;
-pub(crate) const IRQS: usize = 8;
+pub(crate) const IRQS: usize = 9;
 
 const ENABLE_PIN: u32 = 10;
 const STOP_PIN: u32 = 7;
@@ -50,6 +54,7 @@ pub(crate) struct Soc {
     pub lpuart: Lpuart,
     iwdg: Iwdg,
     gpio: [Gpio; 7],
+    pub supply: Supply,
     other: HashMap<u32, u32>,
     pub world: World,
     stop_pressed: bool,
@@ -75,6 +80,7 @@ impl Soc {
             lpuart: Lpuart::default(),
             iwdg: Iwdg::new(),
             gpio: std::array::from_fn(|_| Gpio::new()),
+            supply: Supply::new(),
             other: HashMap::new(),
             world,
             stop_pressed: false,
@@ -102,6 +108,7 @@ impl Soc {
         self.lpuart.overruns = overruns;
         self.iwdg = Iwdg::new();
         self.gpio = std::array::from_fn(|_| Gpio::new());
+        self.supply.reset();
         self.other.clear();
         (self.sampled_at, self.awaiting_output, self.last_output, self.last_fed) = (None, None, None, None);
     }
@@ -151,6 +158,8 @@ impl Soc {
                 value
             }
             IWDG..0x4000_3400 => self.iwdg.read(offset),
+            PWR..0x4000_7400 => self.supply.read_pwr(offset),
+            EXTI..0x4001_0800 => self.supply.read_exti(offset),
             LPUART1..0x4000_8400 => {
                 if self.gate(LPUART_GATE, "LPUART1") {
                     self.lpuart.read(offset)
@@ -193,6 +202,8 @@ impl Soc {
                 }
             }
             IWDG..0x4000_3400 => self.feed(offset, value, now),
+            PWR..0x4000_7400 => self.supply.write_pwr(offset, value),
+            EXTI..0x4001_0800 => self.supply.write_exti(offset, value),
             LPUART1..0x4000_8400 => {
                 if self.gate(LPUART_GATE, "LPUART1") {
                     let hz = self.rcc.lpuart1();
@@ -349,6 +360,7 @@ impl Soc {
         std::array::from_fn(|k| match k {
             0..6 => (IRQ_TIMERS[k], tims[k]),
             6 => (IRQ_ADC1_2, self.adc.interrupt()),
+            7 => (IRQ_PVD, self.supply.interrupt()),
             _ => (IRQ_LPUART1, tx_rx_wired && self.lpuart.interrupt()),
         })
     }

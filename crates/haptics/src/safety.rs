@@ -45,6 +45,11 @@ impl Guard {
         self.silence.moves(silence)
     }
 
+    /// What was summed up belongs to another period.
+    pub(crate) fn period_changes(&mut self) {
+        self.silence.afresh();
+    }
+
     /// See [`Silence::share`].
     pub(crate) fn unseen(&self, silence: &Bounds) -> f32 {
         self.silence.share(silence)

@@ -23,7 +23,7 @@ const SHARE: f32 = 0.25;
 const MEMORY_S: f32 = 0.1;
 /// Offsets are followed with this time constant, s: slow against every motion that is accelerated.
 const DRIFT_S: f32 = 4.0;
-/// Samples of silence before anything is said: a single wild one is not motion.
+/// Samples that must agree: a blow is felt before the handle has moved, and a single wild sample is not motion.
 const SAMPLES: u32 = 3;
 
 /// The bounds in what a step sums up, codes and samples: a step neither divides nor converts.
@@ -73,7 +73,7 @@ impl Sum {
 pub(crate) struct Silence {
     /// Count around which there is silence.
     around: u32,
-    /// Samples of silence; wraps.
+    /// Samples in a row that said motion, saturating.
     samples: u32,
     /// Share of an offset learned with a sample: all with the first, then less and less (2/n) down to that of
     /// [`DRIFT_S`].
@@ -107,10 +107,16 @@ impl Silence {
             (self.acceleration.sum, self.force.sum) = (0.0, 0.0);
             return false;
         }
-        self.samples = self.samples.wrapping_add(1);
         self.acceleration.sum = bounds.keep * self.acceleration.sum + acceleration;
         self.force.sum = bounds.keep * self.force.sum + force;
-        self.samples > SAMPLES && self.moves(bounds)
+        self.samples = if self.moves(bounds) { self.samples.saturating_add(1) } else { 0 };
+        self.samples >= SAMPLES
+    }
+
+    /// Forgets what was summed up, not the offsets.
+    pub fn afresh(&mut self) {
+        self.samples = 0;
+        (self.acceleration.sum, self.force.sum) = (0.0, 0.0);
     }
 
     /// Speed that the accelerometer says and no count, as a share of what would be a fault.

@@ -53,6 +53,7 @@ impl State {
         self.reconfigured = true;
         if period_changes {
             self.previous_ticks = None;
+            self.guard.period_changes();
         }
     }
 

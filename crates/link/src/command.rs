@@ -205,12 +205,12 @@ fn stream<'a>(words: &mut Words<'a>) -> Result<u32, BadCommand<'a>> {
     number.ok_or(BadCommand::NotANumber("DECIMATION", text, DECIMATION))
 }
 
-const WATCH: &str = "a number of seconds from 0.1 to 3600, or 0 for no watch";
+const WATCH: &str = "a number of seconds from 1 to 3600, or 0 for no watch";
 
 fn watch<'a>(words: &mut Words<'a>) -> Result<Option<f32>, BadCommand<'a>> {
     let Some(text) = words.rest.next() else { return Ok(None) };
     let seconds = finite("SECONDS", text, WATCH)?;
-    if seconds == 0.0 || (0.1..=3600.0).contains(&seconds) {
+    if seconds == 0.0 || (1.0..=3600.0).contains(&seconds) {
         Ok(Some(seconds))
     } else {
         Err(BadCommand::NotANumber("SECONDS", text, WATCH))
@@ -282,7 +282,7 @@ mod tests {
             (
                 "watch -1",
                 "VALUE",
-                "SECONDS = `-1`: accepted is a number of seconds from 0.1 to 3600, or 0 for no watch",
+                "SECONDS = `-1`: accepted is a number of seconds from 1 to 3600, or 0 for no watch",
             ),
             ("rate 3000", "VALUE", "HZ = `3000`: accepted is 1000, 2000, 5000, 10000 or 20000"),
             ("set dv", "SYNTAX", "a word is missing; accepted is `set PARAM VALUE`"),

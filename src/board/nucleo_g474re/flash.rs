@@ -236,7 +236,7 @@ unsafe fn NonMaskableInt() {
     if error.eccd() {
         let pages = (BASE - BANK_2)..(BASE - BANK_2 + PAGE * PAGES);
         if !error.bk_ecc() || error.sysf_ecc() || !pages.contains(&error.addr_ecc()) {
-            super::restart();
+            super::restart(haptics::FaultKind::Crash);
         }
         pac::FLASH.eccr().modify(|w| w.set_eccd(true)); // written 1: cleared
         TORN.store(true, Relaxed);

@@ -1,5 +1,6 @@
 //! What is set up once: clocks, encoder and its time stamps, force output, pace, and why the chip started.
 
+use super::last_words;
 use super::{DAC_ZERO, LATCH_COUNTS, PACE_DIVIDER, PERIOD_TICKS, TICK_HZ};
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::Priority;
@@ -113,14 +114,38 @@ pub(super) fn change_pace(period_ticks: u32) {
     tim7.cr1().modify(|w| w.set_cen(true));
 }
 
+/// EXTI line of the voltage detector.
+pub(super) const PVD_LINE: usize = 16;
+/// 2.9 V: what a 3.3 V regulator gives only when it cannot any more.
+const PVD_LEVEL: u8 = 6;
+
+/// The voltage detector: an interrupt when the supply falls and when it is back.
+pub(super) fn start_voltage_detector() {
+    pac::EXTI.rtsr(0).modify(|w| w.set_line(PVD_LINE, true));
+    pac::EXTI.ftsr(0).modify(|w| w.set_line(PVD_LINE, true));
+    pac::EXTI.imr(0).modify(|w| w.set_line(PVD_LINE, true));
+    pac::PWR.cr2().modify(|w| {
+        w.set_pls(PVD_LEVEL);
+        w.set_pvde(true);
+    });
+}
+
 /// Reads and clears the reset flags.
 pub(super) fn reset_cause() -> ResetCause {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    let kept = last_words::take();
     if flags.iwdgrstf() {
         ResetCause::Watchdog
     } else if flags.sftrstf() {
-        ResetCause::Software
+        match kept {
+            Some(FaultKind::Panic) => ResetCause::Panic,
+            Some(FaultKind::Crash) => ResetCause::Crash,
+            Some(FaultKind::MissedDeadline) => ResetCause::Stopped,
+            _ => ResetCause::Software,
+        }
+    } else if kept == Some(FaultKind::BrownOut) {
+        ResetCause::BrownOut
     } else {
         ResetCause::Power
     }
@@ -133,13 +158,29 @@ pub enum ResetCause {
     Power,
     /// The watchdog: the loop had stopped.
     Watchdog,
-    /// The firmware itself.
+    /// A panic.
+    Panic,
+    /// A fault exception of the processor.
+    Crash,
+    /// No control step came for two periods.
+    Stopped,
+    /// The supply broke down.
+    BrownOut,
+    /// Something else in the firmware, or a debugger.
     Software,
 }
 
 impl ResetCause {
     /// What the loop starts with: after a reset nobody asked for a person has to look first.
     pub(super) fn fault(self) -> Option<FaultKind> {
-        (self != Self::Power).then_some(FaultKind::Hardware)
+        match self {
+            Self::Power => None,
+            Self::Watchdog => Some(FaultKind::Watchdog),
+            Self::Panic => Some(FaultKind::Panic),
+            Self::Crash => Some(FaultKind::Crash),
+            Self::Stopped => Some(FaultKind::MissedDeadline),
+            Self::BrownOut => Some(FaultKind::BrownOut),
+            Self::Software => Some(FaultKind::Hardware),
+        }
     }
 }
