@@ -34,6 +34,9 @@ fn build() -> Option<Image> {
     }
 }
 
+/// Where the presets are kept: the last 10 KiB.
+const PRESETS: u32 = 0x0807_d800;
+
 pub struct Board {
     pub machine: Machine,
     pub image: &'static Image,
@@ -48,6 +51,19 @@ impl Board {
     pub fn boot() -> Option<Self> {
         let image = image()?;
         Some(Self::of(image, Machine::free_handle(image, 1)))
+    }
+
+    /// Powers a board up whose flash for presets holds this.
+    pub fn with_presets(contents: &[u8]) -> Option<Self> {
+        let image = image()?;
+        let mut machine = Machine::free_handle(image, 1);
+        machine.program_flash(PRESETS, contents);
+        Some(Self::of(image, machine))
+    }
+
+    /// What the flash for presets holds.
+    pub fn presets(&self) -> Vec<u8> {
+        self.machine.flash(PRESETS)
     }
 
     /// Powers a board up whose rig carries a block of this material.

@@ -5,6 +5,7 @@
 
 mod agreement;
 mod board;
+mod flash;
 mod identification;
 mod no_panic;
 mod rate;

@@ -57,3 +57,31 @@ impl MemOps for Window {
         Ok(())
     }
 }
+
+/// Bank 2 of the flash.
+#[derive(Debug)]
+pub(crate) struct Bank2(pub Arc<Shared>);
+
+impl Bank2 {
+    fn with(&self, access: impl FnOnce(&mut Soc, u64)) -> MemResult {
+        let mut soc = self.0.soc();
+        access(&mut soc, self.0.now.load(Relaxed));
+        let violation = soc.flash.violation.take();
+        soc.violations.extend(violation);
+        // of loads there are too many to look at everything after each
+        if soc.flash.nmi || soc.flash.power_lost {
+            self.0.touched.store(true, Relaxed);
+        }
+        Ok(())
+    }
+}
+
+impl MemOps for Bank2 {
+    fn read(&self, offset: u64, data: &mut [u8], _: MemAttrs) -> MemResult {
+        self.with(|soc, now| soc.flash.fetch(offset as u32, data, now))
+    }
+
+    fn write(&self, offset: u64, data: &[u8], _: MemAttrs) -> MemResult {
+        self.with(|soc, now| soc.flash.store(offset as u32, data, now))
+    }
+}

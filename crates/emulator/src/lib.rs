@@ -23,6 +23,7 @@ mod adc;
 mod bus;
 mod dac;
 pub mod firmware;
+mod flash;
 mod gpio;
 mod image;
 mod iwdg;

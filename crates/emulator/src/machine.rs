@@ -1,7 +1,8 @@
 //! Core, memories, chip and rig, in virtual time.
 
-use crate::bus::{Shared, Window};
-use crate::image::{FLASH_BASE, FLASH_SIZE, RAM_BASE, RAM_SIZE};
+use crate::bus::{Bank2, Shared, Window};
+use crate::flash::{BANK_2, BANK_BYTES};
+use crate::image::{FLASH_BASE, RAM_BASE, RAM_SIZE};
 use crate::rcc::ResetCause;
 use crate::soc::{IRQ_ADC1_2, Soc};
 use crate::stats::Statistics;
@@ -9,7 +10,7 @@ use crate::world::World;
 use crate::{Image, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
 use plant::{Bench, Hand, RigConfig, Truth, Wiring};
-use rsemu::core::space::{AddressSpace, RamStore, Region};
+use rsemu::core::space::{AddressSpace, RamStore, Region, RomStore, RomWrite};
 use rsemu::cpu::arm::v7m::{ArmV7m, Config};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -64,15 +65,19 @@ impl Machine {
         L::State: Send,
     {
         let shared = Arc::new(Shared::new(Soc::new(World::new(config, law, seed)?)));
-        let flash = Arc::new(RamStore::new(u64::from(FLASH_SIZE)));
+        let mut bank_1 = vec![0xff; BANK_BYTES as usize];
         let ram = Arc::new(RamStore::new(u64::from(RAM_SIZE)));
-        let _ = flash.fill(0, u64::from(FLASH_SIZE), 0xff);
         let _ = ram.fill(0, u64::from(RAM_SIZE), PAINT);
         for (address, data) in &image.flash {
             // inside the flash: the image was checked
-            let _ = flash.write_at(u64::from(address - FLASH_BASE), data);
+            for (at, byte) in (address - FLASH_BASE..).zip(data) {
+                match bank_1.get_mut(at as usize) {
+                    Some(to) => *to = *byte,
+                    None => shared.soc().flash.load(at - BANK_BYTES, &[*byte]),
+                }
+            }
         }
-        let space = Arc::new(address_space(&shared, flash, Arc::clone(&ram)));
+        let space = Arc::new(address_space(&shared, bank_1, Arc::clone(&ram)));
         Ok(Self {
             cpu: core(&space),
             space,
@@ -189,8 +194,17 @@ impl Machine {
         self.cycle = units_per_cycle(soc.rcc.hclk());
         self.next = soc.next_event();
         let due = soc.watchdog_due(self.now);
+        let (nmi, power_lost) = (std::mem::take(&mut soc.flash.nmi), soc.flash.power_lost);
         drop(soc);
-        if due {
+        // a pulse: rsemu would take a level again as long as the handler has not cleared it
+        self.cpu.set_nmi(nmi);
+        if nmi {
+            self.shared.touched.store(true, Relaxed);
+        }
+        if power_lost {
+            let _ = self.ram.fill(0, u64::from(RAM_SIZE), PAINT);
+            self.reset(ResetCause::PowerOn);
+        } else if due {
             self.reset(ResetCause::Watchdog);
         }
     }
@@ -212,7 +226,7 @@ impl Machine {
 
     fn reset(&mut self, cause: ResetCause) {
         self.resets.push((self.milliseconds(), cause));
-        self.shared.soc().reset(cause);
+        self.shared.soc().reset(cause, self.now);
         // a reset of rsemu's leaves the NVIC's settings and a lazy FPU context behind; the chip's does not
         self.cpu = core(&self.space);
         self.shared.touched.store(true, Relaxed);
@@ -320,6 +334,29 @@ impl Machine {
         })
     }
 
+    /// Cuts power at the n-th erasure or programming of the flash from now on, half done as `seed` says; the board
+    /// starts again at once, its RAM lost.
+    pub fn cut_power_at(&mut self, n: u64, seed: u64) {
+        self.shared.soc().flash.cut_at(Some(n), seed);
+    }
+
+    /// Erasures and programmings of the flash since power-on or since [`Self::cut_power_at`].
+    #[must_use]
+    pub fn flash_operations(&self) -> u64 {
+        self.shared.soc().flash.operations()
+    }
+
+    /// What is in bank 2 of the flash, from an address on.
+    #[must_use]
+    pub fn flash(&self, address: u32) -> Vec<u8> {
+        self.shared.soc().flash.contents(address.saturating_sub(BANK_2)).to_vec()
+    }
+
+    /// Writes into bank 2 as a programmer does.
+    pub fn program_flash(&mut self, address: u32, bytes: &[u8]) {
+        self.shared.soc().flash.load(address.saturating_sub(BANK_2), bytes);
+    }
+
     /// Sends the core to an address, as a stray bit in a return address would.
     pub fn derail(&mut self, address: u32) {
         self.cpu.set_pc(address);
@@ -421,13 +458,14 @@ fn core(space: &Arc<AddressSpace>) -> ArmV7m {
     core
 }
 
-fn address_space(shared: &Arc<Shared>, flash: Arc<RamStore>, ram: Arc<RamStore>) -> AddressSpace {
+fn address_space(shared: &Arc<Shared>, bank_1: Vec<u8>, ram: Arc<RamStore>) -> AddressSpace {
     let space = AddressSpace::new("cpu", 32);
     let mut map = space.topology();
     let window = |base| Arc::new(Window { shared: Arc::clone(shared), base });
     // constants that do not overlap
     let regions = [
-        (Region::ram("flash", flash), u64::from(FLASH_BASE)),
+        (Region::rom("bank 1", Arc::new(RomStore::new(bank_1)), RomWrite::Fault), u64::from(FLASH_BASE)),
+        (Region::io("bank 2", u64::from(BANK_BYTES), Arc::new(Bank2(Arc::clone(shared)))), u64::from(BANK_2)),
         (Region::ram("ram", ram), u64::from(RAM_BASE)),
         (Region::ram("system", Arc::new(RamStore::new(0x1_0000))), 0x1fff_0000),
         (Region::ram("dbgmcu", Arc::new(RamStore::new(0x1000))), 0xe004_2000),

@@ -2,6 +2,7 @@
 
 use crate::adc::{Adc, Triggered};
 use crate::dac::Dac;
+use crate::flash::Flash;
 use crate::gpio::Gpio;
 use crate::iwdg::Iwdg;
 use crate::lpuart::Lpuart;
@@ -20,7 +21,7 @@ const PWR: u32 = 0x4000_7000;
 const LPUART1: u32 = 0x4000_8000;
 const EXTI: u32 = 0x4001_0400;
 const RCC: u32 = 0x4002_1000;
-const FLASH_ACR: u32 = 0x4002_2000;
+const FLASH: u32 = 0x4002_2000;
 const GPIOA: u32 = 0x4800_0000;
 const ADC1: u32 = 0x5000_0000;
 const DAC1: u32 = 0x5000_0800;
@@ -53,6 +54,7 @@ pub(crate) struct Soc {
     dac: Dac,
     pub lpuart: Lpuart,
     iwdg: Iwdg,
+    pub flash: Flash,
     gpio: [Gpio; 7],
     pub supply: Supply,
     other: HashMap<u32, u32>,
@@ -79,6 +81,7 @@ impl Soc {
             dac: Dac::default(),
             lpuart: Lpuart::default(),
             iwdg: Iwdg::new(),
+            flash: Flash::new(),
             gpio: std::array::from_fn(|_| Gpio::new()),
             supply: Supply::new(),
             other: HashMap::new(),
@@ -96,7 +99,13 @@ impl Soc {
     }
 
     /// A reset of the chip: every register back, the world untouched.
-    pub fn reset(&mut self, cause: ResetCause) {
+    pub fn reset(&mut self, cause: ResetCause, now: u64) {
+        if self.flash.power_lost {
+            self.flash.power_up();
+        } else {
+            self.flash.reset(now);
+        }
+        self.violations.extend(self.flash.violation.take());
         let shown = std::mem::take(&mut self.lpuart.shown);
         let overruns = self.lpuart.overruns;
         self.rcc = Rcc::new(cause);
@@ -168,6 +177,7 @@ impl Soc {
                 }
             }
             RCC..0x4002_1400 => self.rcc.read(offset),
+            FLASH..0x4002_2400 => self.flash.read(offset, now),
             GPIOA..0x4800_1c00 => {
                 self.gpio[2].drive(STOP_PIN, self.stop_pressed);
                 self.gpio[((address - GPIOA) / 0x400) as usize].read(offset)
@@ -214,6 +224,10 @@ impl Soc {
                 self.rcc.write(offset, value);
                 self.check_clock();
             }
+            FLASH..0x4002_2400 => {
+                self.flash.write(offset, value, now);
+                self.violations.extend(self.flash.violation.take());
+            }
             GPIOA..0x4800_1c00 => {
                 let port = ((address - GPIOA) / 0x400) as usize;
                 if self.gate((AHB2ENR, port as u32), "a GPIO port") {
@@ -237,8 +251,8 @@ impl Soc {
     }
 
     fn check_clock(&mut self) {
-        let (hz, wait_states) = (self.rcc.hclk(), self.other.get(&FLASH_ACR).copied().unwrap_or(0) & 0xf);
-        if hz > 34_000_000 * (u64::from(wait_states) + 1) {
+        let (hz, wait_states) = (self.rcc.hclk(), self.flash.wait_states());
+        if hz > 34_000_000 * (wait_states + 1) {
             self.violations.insert(format!("{hz} Hz with {wait_states} flash wait states"));
         }
         if hz > 170_000_000 {

@@ -24,6 +24,8 @@ enum Done {
     Saved,
     Deleted,
     Default,
+    /// Nothing: nobody asked.
+    Repaired,
 }
 
 impl Desk {
@@ -38,6 +40,8 @@ impl Desk {
         if let Some(change) = self.presets.loaded() {
             // power went in the middle of a command. Refused, it is done at the next start
             store(&change, board);
+            let (name, since) = (Name::new(), board.now_ms());
+            self.saving = Some(Saving { change, name, done: Done::Repaired, since });
         }
         if let Some(name) = self.presets.default_name()
             && let Ok(settings) = self.presets.find(name)
@@ -104,6 +108,10 @@ impl Desk {
             None => return,
         };
         let (name, done) = (saving.name.clone(), saving.done);
+        if matches!(done, Done::Repaired) {
+            self.saving = None;
+            return;
+        }
         if let Err(why) = outcome {
             self.saving = None;
             return self.err(if why == NotStored::Full { "FULL" } else { "FLASH" }, why);
@@ -119,6 +127,7 @@ impl Desk {
             Done::Saved => self.ok(format_args!("{name} saved {}", board.lasting())),
             Done::Deleted => self.ok(format_args!("{name} deleted")),
             Done::Default => self.ok(format_args!("{name} is the default {}", board.lasting())),
+            Done::Repaired => {}
         }
     }
 

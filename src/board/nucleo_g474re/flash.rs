@@ -1,4 +1,4 @@
-//! The last eight pages of bank 2, for presets: a register driver that never keeps the control interrupt waiting.
+//! The last five pages of bank 2, for presets: a register driver that never keeps the control interrupt waiting.
 //!
 //! The code runs from bank 1 (memory.x), and the banks are independent: while a page of bank 2 is erased, 22 ms, the
 //! processor goes on. embassy-stm32's driver would do that too, but masks interrupts while it starts an erasure; here
@@ -15,15 +15,16 @@ use embassy_futures::yield_now;
 use embassy_stm32::pac::{self, flash::regs::Sr};
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::signal::Signal;
+use embassy_time::Timer;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use link::MAX_ITEM;
 
 /// First byte of the presets; memory.x ends the code before bank 2.
-const BASE: u32 = 0x0807_c000;
+const BASE: u32 = 0x0807_d800;
 /// First byte of bank 2.
 const BANK_2: u32 = 0x0804_0000;
 const PAGE: u32 = 2048;
-const PAGES: u32 = 8;
+const PAGES: u32 = 5;
 /// Every error of FLASH_SR, and the end of an operation: cleared by writing 1.
 const ALL_FLAGS: u32 = 0xc3fb;
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
@@ -79,12 +80,18 @@ pub(super) fn stored() -> Option<Result<(), NotStored>> {
     STORED.try_take()
 }
 
+/// Double words read before other tasks have their turn: looking through the pages takes many milliseconds.
+const READ_AT_ONCE: u32 = 64;
+
 /// The pages for presets. There is one of it.
-pub struct Pages(());
+pub struct Pages {
+    /// Double words read since other tasks had their turn.
+    read: u32,
+}
 
 impl Pages {
     pub(super) fn new() -> Self {
-        Self(())
+        Self { read: 0 }
     }
 
     /// Address of so many bytes at this offset, if they are inside.
@@ -112,7 +119,7 @@ struct Unlocked {
 }
 
 impl Unlocked {
-    async fn new() -> Self {
+    async fn new() -> Result<Self, Refused> {
         let flash = pac::FLASH;
         while flash.sr().read().bsy() {
             yield_now().await;
@@ -125,7 +132,8 @@ impl Unlocked {
                 flash.keyr().write_value(key);
             }
         }
-        Self { data_cache }
+        let unlocked = Self { data_cache };
+        if flash.cr().read().lock() { Err(Refused) } else { Ok(unlocked) }
     }
 
     /// Waits for the operation under way.
@@ -163,6 +171,11 @@ impl ReadNorFlash for Pages {
 
     async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Refused> {
         let mut address = Self::address(offset, bytes.len())?;
+        self.read += bytes.len() as u32 / 8;
+        if self.read >= READ_AT_ONCE {
+            self.read = 0;
+            yield_now().await;
+        }
         for to in bytes.chunks_exact_mut(8) {
             // what is torn reads as what counts for nothing; after `recover` there is none
             let word = match Self::read_word(address) {
@@ -187,7 +200,7 @@ impl NorFlash for Pages {
 
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), Refused> {
         let from = Self::address(from, to.checked_sub(from).ok_or(Refused)? as usize)?;
-        let unlocked = Unlocked::new().await;
+        let unlocked = Unlocked::new().await?;
         for page in (from - BANK_2) / PAGE..(BASE + to - BANK_2) / PAGE {
             pac::FLASH.cr().write(|w| {
                 w.set_per(true);
@@ -195,6 +208,9 @@ impl NorFlash for Pages {
                 w.set_pnb(page as u8);
             });
             pac::FLASH.cr().modify(|w| w.set_strt(true));
+            while pac::FLASH.sr().read().bsy() {
+                Timer::after_micros(500).await;
+            }
             unlocked.done().await?;
         }
         Ok(())
@@ -205,7 +221,7 @@ impl NorFlash for Pages {
         if !offset.is_multiple_of(8) {
             return Err(Refused);
         }
-        let unlocked = Unlocked::new().await;
+        let unlocked = Unlocked::new().await?;
         pac::FLASH.cr().write(|w| w.set_pg(true));
         for word in bytes.chunks_exact(8) {
             for half in word.chunks_exact(4) {

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Bytes of a page.
 pub const PAGE: usize = 2048;
 /// Bytes of the flash kept for presets, as on the board.
-pub const BYTES: usize = 8 * PAGE;
+pub const BYTES: usize = 5 * PAGE;
 
 /// Pages of erasable double words.
 #[derive(Debug)]
