@@ -46,6 +46,8 @@ pub struct Desk {
     stream: Option<Stream>,
     last: Option<Telemetry>,
     fault: Option<FaultReport>,
+    /// A person has cleared it, and the board is to be told.
+    cleared: bool,
     /// Control periods the tasks did not see.
     unseen: u32,
     watch_s: f32,
@@ -75,6 +77,7 @@ impl Desk {
             stream: None,
             last: None,
             fault: None,
+            cleared: false,
             unseen: 0,
             watch_s: WATCH_S,
             heard: false,
@@ -150,6 +153,9 @@ impl Desk {
             let Some(report) = ends.reports.try_pop() else { break };
             self.hear(&report);
         }
+        if core::mem::take(&mut self.cleared) {
+            board.forget();
+        }
         while let Some(telemetry) = ends.telemetry.try_pop() {
             self.see(&telemetry);
         }
@@ -223,7 +229,10 @@ impl Desk {
                     }
                 }
                 Pending::Rate(device) => self.device = device,
-                Pending::Clear => self.fault = None,
+                Pending::Clear => {
+                    self.fault = None;
+                    self.cleared = true;
+                }
                 _ => {}
             }
         }
@@ -335,7 +344,7 @@ impl Desk {
                 1.0 / self.device.period
             )),
             Command::Status => self.status(board),
-            Command::Fault => self.tell_fault(),
+            Command::Fault => self.tell_fault(board),
             Command::Get(None) => {
                 let listing = Listing::Parameters(self.settings);
                 self.begin_list(format_args!("{}", self.preset.clone()), listing, board);
@@ -478,19 +487,32 @@ impl Desk {
         self.say(&line);
     }
 
-    fn tell_fault(&mut self) {
-        let Some(f) = self.fault else { return self.ok(format_args!("no fault")) };
-        self.ok(format_args!(
-            "{} at step {} while {}: handle {:.6} m {:.4} m/s, force {:.3} N; {}; then `clear`",
-            f.kind,
-            f.step,
-            f.during.id(),
-            f.position,
-            f.velocity,
-            f.force,
-            f.kind.explain()
-        ));
+    fn tell_fault(&mut self, board: &impl Board) {
+        let mut line = Line::new();
+        // what does not fit is cut
+        let _ = line.write_str("ok ");
+        let _ = match self.fault {
+            None => line.write_str("no fault"),
+            Some(f) => {
+                moment(&f, &mut line).and_then(|()| write!(line, "; {}; then `clear`", f.kind.explain()))
+            }
+        };
+        if let Some(earlier) = board.earlier() {
+            let _ = line.write_str("; first, before the restart: ");
+            let _ = moment(&earlier.fault, &mut line);
+            if let Some((path, at)) = &earlier.panicked_at {
+                let _ = write!(line, ", panicked at {path}:{at}");
+            }
+        }
+        self.say(&line);
     }
+}
+
+/// A fault and the motion it was found at.
+fn moment(f: &FaultReport, line: &mut Line) -> core::fmt::Result {
+    let (kind, step, during) = (f.kind, f.step, f.during.id());
+    write!(line, "{kind} at step {step} while {during}: ")?;
+    write!(line, "handle {:.6} m {:.4} m/s, force {:.3} N", f.position, f.velocity, f.force)
 }
 
 /// The device moves the handle because a host said so.

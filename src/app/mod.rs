@@ -44,6 +44,15 @@ pub struct FaultReport {
     pub force: f32,
 }
 
+/// The first fault of before the last reset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Earlier {
+    /// What was found, and the motion it was found at; for what no step could find, the motion of the last step.
+    pub fault: FaultReport,
+    /// End of the path and line, if it was a panic.
+    pub panicked_at: Option<(heapless::String<40>, u32)>,
+}
+
 /// What the control loop tells besides telemetry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Report {

@@ -6,6 +6,7 @@ pub mod nucleo_g474re;
 #[cfg(not(target_os = "none"))]
 pub mod simulated;
 
+use crate::app::Earlier;
 use crate::presets::NotStored;
 use core::fmt::Write;
 use haptics::Device;
@@ -33,6 +34,14 @@ pub trait Board {
 
     /// How long what is stored lasts: “in flash”.
     fn lasting(&self) -> &str;
+
+    /// The fault that was kept over the last reset, until it is cleared.
+    fn earlier(&self) -> Option<Earlier> {
+        None
+    }
+
+    /// The fault was cleared: the next one is the first again.
+    fn forget(&mut self) {}
 
     /// Commands that only this board has.
     fn help(&self) -> &'static [HelpLine] {

@@ -45,6 +45,7 @@
 //! **Emergency stop.** Open for three periods: the enable pin falls in that very period, whatever the control step
 //! says, and the fault is raised every other period for as long as it lasts, so that `clear` cannot outlast it.
 
+pub mod black_box;
 pub mod flash;
 mod last_words;
 mod setup;
@@ -52,7 +53,7 @@ mod setup;
 pub use setup::ResetCause;
 
 use super::Board;
-use crate::app::{ControlEnds, ControlLoop};
+use crate::app::{ControlEnds, ControlLoop, Earlier};
 use crate::presets::NotStored;
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
@@ -129,8 +130,10 @@ impl Loop {
         // the periods between are for requests: they are answered while the trouble lasts, and refused
         self.raised = trouble.is_some() && !self.raised;
         let raise = self.boot_fault.take().or(if self.raised { trouble } else { None });
+        let step = self.control.steps();
         let outputs = self.control.tick(&mut self.ends, &inputs, raise);
         self.hardware.drive(outputs.force, outputs.amplifier && trouble.is_none());
+        black_box::note(step, &outputs);
         let period_ticks = self.control.period_ticks();
         if period_ticks != self.period_ticks {
             setup::change_pace(period_ticks);
@@ -349,6 +352,7 @@ impl Peripherals {
     pub fn start(self, control: ControlLoop, ends: ControlEnds<'static>) -> Rest {
         let Self { hardware, console, watchdog, led, reset_cause } = self;
         let boot_fault = reset_cause.fault();
+        black_box::open(boot_fault);
         LOOP.lock(|cell| {
             cell.replace(Some(Loop {
                 hardware,
@@ -418,6 +422,14 @@ impl Board for Nucleo {
     fn lasting(&self) -> &str {
         "in flash"
     }
+
+    fn earlier(&self) -> Option<Earlier> {
+        black_box::earlier()
+    }
+
+    fn forget(&mut self) {
+        black_box::forget();
+    }
 }
 
 /// A fault of the processor itself.
@@ -436,5 +448,6 @@ unsafe fn DefaultHandler(_: i16) {
 pub fn restart(why: FaultKind) -> ! {
     make_safe();
     last_words::keep(why);
+    black_box::keep(why);
     cortex_m::peripheral::SCB::sys_reset()
 }

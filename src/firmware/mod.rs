@@ -53,6 +53,9 @@ async fn main(spawner: Spawner) {
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     nucleo_g474re::make_safe();
+    if let Some(place) = info.location() {
+        nucleo_g474re::black_box::panicked_at(place);
+    }
     defmt::error!("{}", defmt::Display2Format(info));
     nucleo_g474re::restart(haptics::FaultKind::Panic)
 }

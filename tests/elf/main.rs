@@ -4,6 +4,7 @@
 #![cfg(not(target_os = "none"))]
 
 mod agreement;
+mod black_box;
 mod board;
 mod flash;
 mod identification;
