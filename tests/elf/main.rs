@@ -9,8 +9,12 @@ mod board;
 mod flash;
 mod identification;
 mod no_panic;
+mod plot;
 mod rate;
+mod rendering;
 mod safety;
+mod track;
+mod velocity;
 
 use board::Board;
 use haptics::ModeId;
