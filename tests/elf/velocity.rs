@@ -40,7 +40,7 @@ impl Piece {
     }
 }
 
-const MOTION: [Piece; 15] = [
+const MOTION: [Piece; 16] = [
     Piece::Steady(0.053e-3, 1.2),
     Piece::Steady(-0.21e-3, 1.0),
     Piece::Steady(0.47e-3, 0.8),
@@ -53,6 +53,8 @@ const MOTION: [Piece; 15] = [
     Piece::Steady(-53e-3, 0.25),
     Piece::Steady(103e-3, 0.15),
     Piece::Steady(-199e-3, 0.09),
+    // back to the middle of the stroke
+    Piece::Steady(60e-3, 0.18),
     Piece::Sine(0.5e-3, 1.0, 3.0),
     Piece::Sine(5e-3, 2.0, 2.0),
     // and stops dead
@@ -212,24 +214,11 @@ fn pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale() {
     }
 
     let mut slow = Vec::new();
-    for (start, _, piece) in &pieces[12..14] {
+    for (start, _, piece) in &pieces[13..15] {
         let turning = within(start + 0.01, start + piece.length() - 0.01);
         let (pulse_lag, pulse_rest) = lag(&turning, |r| r.pulse);
         let (fixed_lag, fixed_rest) = lag(&turning, |r| r.fixed);
         let worst = turning.iter().fold(0.0_f64, |m, r| m.max((r.pulse - r.truth).abs()));
-        for r in
-            turning.iter().filter(|r| ((r.t - start) % 0.5 - 0.3583).abs() < 4e-3 && piece.speed() > 0.01)
-        {
-            println!(
-                "BAD {:.4} truth {:.3} pulse {:.3} fixed {:.3} age {:.3} x {:.3}",
-                r.t - start,
-                1e3 * r.truth,
-                1e3 * r.pulse,
-                1e3 * r.fixed,
-                1e3 * r.age,
-                1e6 * track.at(r.t).unwrap().0 / 2.57
-            );
-        }
         println!(
             "reversals, sine up to {:6.2} mm/s: M/T lag {:.2} ms, std beside it {:.4} mm/s, worst error {:.2} mm/s; fixed time lag {:.2} ms, std {:.3} mm/s",
             1e3 * piece.speed(),
@@ -239,8 +228,11 @@ fn pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale() {
             1e3 * fixed_lag,
             1e3 * fixed_rest
         );
-        // where speed passes zero, edges are far apart, and what is not seen cannot be known
-        assert!(worst < COUNT / 1e-3 && pulse_lag < 5e-3 && 4.0 * pulse_rest < fixed_rest);
+        // Turning within a count shows no edge: it hides √(2·a·count), and nothing else may be worse. Lag is that of
+        // the accelerated parts, which in a sine are the reversals.
+        let Piece::Sine(_, hz, _) = *piece else { unreachable!() };
+        let hidden = (2.0 * piece.speed() * hz * std::f64::consts::TAU * COUNT).sqrt();
+        assert!(worst < 1.5 * hidden && pulse_lag < 5e-3 && 4.0 * pulse_rest < fixed_rest);
         if slow.is_empty() {
             slow = turning;
         }
