@@ -70,7 +70,9 @@ fn panel(out: &mut String, at: f64, panel: &Panel) {
     let all = || panel.series.iter().flat_map(|s| &s.points);
     let x = Axis::new(all().map(|p| p.0), panel.log, [at + left, at + WIDTH - right]);
     let y = Axis::new(all().map(|p| p.1), panel.log, [HEIGHT - bottom, top]);
-    let number = |v: f64| format!("{}", (v * 1e9).round() / 1e9);
+    let number = |v: f64| {
+        if v != 0.0 && v.abs() < 0.009 { format!("{v:.0e}") } else { format!("{}", (v * 1e9).round() / 1e9) }
+    };
     for tick in x.ticks() {
         let (p, low, high) = (x.at(tick), y.start, y.end);
         let _ = writeln!(
@@ -106,6 +108,13 @@ fn panel(out: &mut String, at: f64, panel: &Panel) {
             s.colour
         );
     }
+    let legend = 15.0 * panel.series.len() as f64 + 4.0;
+    let _ = writeln!(
+        out,
+        r#"<rect x="{:.1}" y="{:.1}" width="172" height="{legend}" fill="white" fill-opacity="0.85"/>"#,
+        x.start + 4.0,
+        top + 2.0
+    );
     for (k, s) in panel.series.iter().enumerate() {
         let line = top + 14.0 + 15.0 * k as f64;
         let _ = writeln!(
