@@ -1,6 +1,6 @@
 //! The interrupt's side.
 
-use super::{ControlEnds, FaultReport, Report, Telemetry};
+use super::{ControlEnds, FaultReport, Telemetry};
 use haptics::streaming_identify::NUMBERS;
 use haptics::{Config, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
 use ringbuf::traits::{Consumer, Observer, Producer};
@@ -40,7 +40,13 @@ impl ControlLoop {
         let raise = raise.map(Request::Raise);
         let configured = raise.is_none() && self.configure(ends);
         let config = if self.replaced { ends.configs.try_peek() } else { None }.unwrap_or(&self.first);
-        let asked = if raise.is_none() && !configured { ends.requests.try_peek() } else { None };
+        if configured {
+            let period_ticks = config.period_ticks();
+            self.state.reconfigured(period_ticks != self.period_ticks);
+            self.period_ticks = period_ticks;
+        }
+        let listens = raise.is_none() && !configured && !ends.requests.is_empty();
+        let asked = if listens { ends.requests.try_peek() } else { None };
         // a promise is kept quietly: nobody waits for its answer
         let answered = configured || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. }));
         let taken = asked.is_some();
@@ -49,7 +55,7 @@ impl ControlLoop {
             ends.requests.skip(1);
         }
         if answered {
-            let _ = ends.report.try_push(Report::Handled(outputs.denied));
+            let _ = ends.answer.try_push(outputs.denied);
         }
         if outputs.identified {
             self.numbers = NUMBERS as u16;
@@ -58,7 +64,7 @@ impl ControlLoop {
             self.numbers = 0;
         }
         if let Some(number) = self.numbers.checked_sub(1).and_then(|k| self.state.recorder().number(k))
-            && ends.report.try_push(Report::Identified(number)).is_ok()
+            && ends.identified.try_push(number).is_ok()
         {
             self.numbers -= 1;
         }
@@ -66,14 +72,14 @@ impl ControlLoop {
             && self.mode != ModeId::Fault
             && let Some(fault) = self.state.fault()
         {
-            let _ = ends.report.try_push(Report::Fault(FaultReport {
+            let _ = ends.report.try_push(FaultReport {
                 kind: fault.kind,
                 step: self.step,
                 during: self.mode,
                 position: fault.position,
                 velocity: fault.velocity,
                 force: fault.force,
-            }));
+            });
         }
         self.mode = outputs.mode;
         let _ = ends.tell.try_push(Telemetry { step: self.step, inputs: *inputs, outputs });
@@ -89,9 +95,6 @@ impl ControlLoop {
                 ends.configs.skip(1);
             }
             self.replaced = true;
-            let period = ends.configs.try_peek().map_or(self.period_ticks, Config::period_ticks);
-            self.state.reconfigured(period != self.period_ticks);
-            self.period_ticks = period;
         }
         waiting
     }

@@ -6,7 +6,7 @@ use super::answer::{self, Line, Named, Pending};
 use super::listing::Listing;
 use super::selftest::SelfTest;
 use super::stream::Stream;
-use super::{DeskEnds, FaultReport, Output, Report, Telemetry};
+use super::{DeskEnds, FaultReport, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
@@ -150,8 +150,15 @@ impl Desk {
     /// Moves everything on; call it at least once every few milliseconds.
     pub fn poll(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
         while self.output.fits_line(answer::LINE) {
-            let Some(report) = ends.reports.try_pop() else { break };
-            self.hear(&report);
+            if let Some(denied) = ends.answers.try_pop() {
+                self.handled(denied);
+            } else if let Some(fault) = ends.faults.try_pop() {
+                self.faulted(&fault);
+            } else if let Some(number) = ends.numbers.try_pop() {
+                self.identified(&number);
+            } else {
+                break;
+            }
         }
         if core::mem::take(&mut self.cleared) {
             board.forget();
@@ -198,18 +205,11 @@ impl Desk {
         self.err(bad.code(), bad);
     }
 
-    /// The loop handled a request, latched a fault, finished an identification.
-    fn hear(&mut self, report: &Report) {
-        match report {
-            Report::Handled(denied) => self.handled(*denied),
-            Report::Fault(fault) => {
-                self.fault = Some(*fault);
-                let mut line = Line::new();
-                let _ = write!(line, "! fault {}: {}", fault.kind, fault.kind.explain());
-                self.say(&line);
-            }
-            Report::Identified(number) => self.identified(number),
-        }
+    fn faulted(&mut self, fault: &FaultReport) {
+        self.fault = Some(*fault);
+        let mut line = Line::new();
+        let _ = write!(line, "! fault {}: {}", fault.kind, fault.kind.explain());
+        self.say(&line);
     }
 
     fn handled(&mut self, denied: Option<haptics::Denied>) {

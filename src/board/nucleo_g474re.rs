@@ -149,7 +149,9 @@ impl Loop {
     }
 }
 
-static LOOP: Mutex<CriticalSectionRawMutex, RefCell<Option<Loop>>> = Mutex::new(RefCell::new(None));
+/// By reference, so that it is not among the data that the flash holds.
+static LOOP: Mutex<CriticalSectionRawMutex, RefCell<Option<&'static mut Loop>>> =
+    Mutex::new(RefCell::new(None));
 /// The supply is below the threshold of the voltage detector.
 static SUPPLY_LOW: AtomicBool = AtomicBool::new(false);
 static STEPS: AtomicU32 = AtomicU32::new(0);
@@ -353,17 +355,17 @@ impl Peripherals {
         let Self { hardware, console, watchdog, led, reset_cause } = self;
         let boot_fault = reset_cause.fault();
         black_box::open(boot_fault);
-        LOOP.lock(|cell| {
-            cell.replace(Some(Loop {
-                hardware,
-                control,
-                ends,
-                boot_fault,
-                stop_open: 0,
-                raised: false,
-                period_ticks: PERIOD_TICKS,
-            }))
+        static RUNNING: StaticCell<Loop> = StaticCell::new();
+        let running = RUNNING.init_with(|| Loop {
+            hardware,
+            control,
+            ends,
+            boot_fault,
+            stop_open: 0,
+            raised: false,
+            period_ticks: PERIOD_TICKS,
         });
+        LOOP.lock(|cell| cell.replace(Some(running)));
         interrupt::ADC1_2.set_priority(Priority::P0);
         interrupt::PVD_PVM.set_priority(Priority::P1); // right below the control step
         interrupt::LPUART1.set_priority(Priority::P6);

@@ -53,8 +53,8 @@ impl Excitation {
             let accepted = Accepted::Between(device.metre_per_count, half);
             return refuse("amplitude", self.amplitude_m, accepted, "m; 1 mm inside the stroke");
         }
-        let fastest = self.fastest(device);
-        if !(self.frequency_hz >= SLOWEST_HZ && self.frequency_hz <= fastest) {
+        if !(self.frequency_hz >= SLOWEST_HZ && self.is_slow_enough(device)) {
+            let fastest = self.fastest(device);
             let why = "Hz; the actuator's force and the device's speed at this amplitude end there";
             return refuse("frequency", self.frequency_hz, Accepted::Between(SLOWEST_HZ, fastest), why);
         }
@@ -67,6 +67,16 @@ impl Excitation {
             );
         }
         Ok(())
+    }
+
+    /// At most [`Self::fastest`], but for its rounding: without the square root, this being part of a control step.
+    fn is_slow_enough(&self, device: &Device) -> bool {
+        let turn_rate = core::f32::consts::TAU * self.frequency_hz;
+        let speed = turn_rate * self.wave.speed_factor() * self.amplitude_m;
+        let force = turn_rate * turn_rate * device.mass * self.wave.acceleration_factor() * self.amplitude_m;
+        force <= device.force_max
+            && speed <= 0.5 * device.overspeed
+            && self.frequency_hz * device.period <= 0.1
     }
 
     /// Highest frequency at this amplitude that force and speed allow, Hz, rounded down to something one can type.

@@ -9,7 +9,7 @@ use crate::machine::{Fault, Mode, Request};
 use crate::renderer::{Contact, Handle, Rendered};
 use crate::safety::{self, Guard};
 use crate::silence::Bounds;
-use crate::streaming_identify::Recorder;
+use crate::streaming_identify::{Procedure, Recorder};
 use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs};
 
 /// Everything the loop remembers from step to step.
@@ -25,6 +25,10 @@ pub struct State {
     blend: f32,
     /// A configuration was swapped and the difference is not known yet.
     swapped: bool,
+    /// The contact or the drive was made in this period, which has no time for its first step.
+    fresh: bool,
+    /// An identification that has begun; its sums are cleared in the next period, for the same reason.
+    begun: Option<Procedure>,
     /// The next step runs with another configuration than the last.
     reconfigured: bool,
     recorder: Recorder,
@@ -42,6 +46,8 @@ impl State {
             force: 0.0,
             blend: 0.0,
             swapped: false,
+            fresh: false,
+            begun: None,
             reconfigured: false,
             recorder: Recorder::default(),
         }
@@ -61,7 +67,8 @@ impl State {
     fn take_up(&mut self, config: &Config, handle: &Handle) {
         if let Mode::Rendering { contact, .. } = &mut self.mode {
             if !contact.fits(config) {
-                *contact = Contact::new(config, handle);
+                *contact = Contact::new(config, &handle.after(config.device.period));
+                self.fresh = true;
             }
             // the difference is taken when the new force is known
             self.swapped = true;
@@ -154,8 +161,8 @@ impl State {
             _ if !(handle.position.abs() <= 0.5 * device.stroke) => Err(Denied::OutsideStroke),
             Request::Render(true) => {
                 if !matches!(self.mode, Mode::Rendering { .. }) {
-                    let contact = Contact::new(config, handle);
-                    (self.blend, self.swapped) = (0.0, false);
+                    let contact = Contact::new(config, &handle.after(device.period));
+                    (self.blend, self.swapped, self.fresh) = (0.0, false, true);
                     self.mode = Mode::Rendering { since_ticks: inputs.sample_ticks, contact };
                 }
                 Ok(())
@@ -163,13 +170,16 @@ impl State {
             Request::Excite(excitation) => {
                 excitation.validate(device).map_err(|_| Denied::BadExcitation)?;
                 let drive = Drive::start(config, excitation, handle.position);
+                self.fresh = true;
+                self.begun = None;
                 self.mode = Mode::Exciting { drive, identifying: false };
                 Ok(())
             }
             Request::Identify(procedure) => {
                 procedure.validate(device).map_err(|_| Denied::BadExcitation)?;
                 let drive = Drive::start(config, &procedure.excitation(), handle.position);
-                self.recorder.start(config, procedure);
+                self.fresh = true;
+                self.begun = Some(*procedure);
                 self.mode = Mode::Exciting { drive, identifying: true };
                 Ok(())
             }
@@ -273,6 +283,15 @@ fn run_mode(
 ) -> Option<f32> {
     match &mut state.mode {
         Mode::Idle | Mode::Fault(_) => None,
+        Mode::Rendering { .. } | Mode::Exciting { .. } if core::mem::take(&mut state.fresh) => {
+            Some(state.force)
+        }
+        Mode::Exciting { .. } if state.begun.is_some() => {
+            if let Some(procedure) = state.begun.take() {
+                state.recorder.start(config, &procedure);
+            }
+            Some(state.force)
+        }
         Mode::Rendering { contact, .. } => {
             let rendered = contact.step(config, handle);
             if core::mem::take(&mut state.swapped) {

@@ -20,6 +20,13 @@ pub(crate) struct Handle {
     pub displacement: f32,
 }
 
+impl Handle {
+    /// Where it will be in `period` s if it goes on as it does.
+    pub(crate) fn after(&self, period: f32) -> Self {
+        Self { position: self.position + self.velocity * period, ..*self }
+    }
+}
+
 /// What a contact did in one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rendered {
