@@ -1,8 +1,12 @@
 //! The console of the virtual device: every command of the design, and everything that is none.
 #![cfg(not(target_os = "none"))]
 
-use link::{Decoder, Frame, Item, Sample, reply};
+use embassy_futures::block_on;
+use haptics::Settings;
+use link::{Decoder, Frame, Item, MAX_ITEM, PresetStore, Sample, reply};
 use tribos_firmware::board::simulated::Holder;
+use tribos_firmware::board::simulated::flash::SimulatedFlash;
+use tribos_firmware::presets::Library;
 use tribos_firmware::{VirtualConfig, VirtualDevice};
 
 /// A device and what was heard of it.
@@ -16,7 +20,10 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let device = VirtualDevice::new(&VirtualConfig::default()).expect("the thesis's rig");
+        Self::of(VirtualDevice::new(&VirtualConfig::default()).expect("the thesis's rig"))
+    }
+
+    fn of(device: VirtualDevice) -> Self {
         Self { device, decoder: Decoder::new(), lines: Vec::new(), frames: Vec::new(), corrupt: 0 }
     }
 
@@ -226,4 +233,62 @@ fn the_device_identifies_a_block_by_itself() {
     let mass: f64 = found.split_whitespace().nth(3).and_then(|word| word.parse().ok()).expect("a number");
     assert!((mass - 0.3886).abs() < 0.02, "{found}");
     assert_eq!(bench.ask("preset use identified"), "ok identified");
+}
+
+#[test]
+fn presets_and_the_default_are_in_the_file_after_a_restart() {
+    let folder = std::env::temp_dir().join(format!("tribos-presets-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary directory");
+    let file = folder.join("presets");
+    let boot = || {
+        let flash = SimulatedFlash::open(&file).expect("a file of the virtual device");
+        Bench::of(VirtualDevice::with_flash(&VirtualConfig::default(), flash).expect("the thesis's rig"))
+    };
+    let mut bench = boot();
+    bench.ask("preset use rubber");
+    bench.ask("set f_dynamic 1.5");
+    let saved = bench.ask("preset save mine");
+    println!("{saved:?}");
+    assert_eq!(saved, format!("ok mine saved in {}", file.display()));
+    bench.ask("preset default mine");
+    drop(bench);
+    let mut bench = boot();
+    assert_eq!(bench.ask("preset list"), "ok brass teflon rubber viscous mine; active mine; default mine");
+    assert_eq!(bench.ask("get f_dynamic"), "ok f_dynamic 1.5 N");
+    std::fs::write(&file, "something else").expect("it can be written");
+    let other = SimulatedFlash::open(&file).expect_err("no file of ours").to_string();
+    println!("{other}");
+    assert!(other.starts_with("14 bytes: accepted is"), "{other}");
+    std::fs::remove_dir_all(&folder).expect("it is ours");
+}
+
+#[test]
+fn presets_of_another_version_and_unfit_ones_are_told_of_and_the_device_starts_all_the_same() {
+    let mut store = PresetStore::new();
+    let unfit = Settings { k_vc: 1e9, ..Settings::brass() };
+    let mut item = [0; MAX_ITEM];
+    let mut items = Vec::new();
+    for (name, settings, format) in [("unfit", unfit, 1), ("other", Settings::brass(), 99)] {
+        let change = store.save(name, &settings).expect("room");
+        let mut bytes = change.encode(&mut item).to_vec();
+        bytes[0] = format;
+        items.push((change.key(), bytes));
+        store.commit(change);
+    }
+    let default = store.set_default("unfit").expect("it is saved");
+    items.push((default.key(), default.encode(&mut item).to_vec()));
+    let mut library =
+        block_on(Library::open(SimulatedFlash::default(), &mut |_, _| {})).expect("an erased flash");
+    for (key, item) in &items {
+        block_on(library.store(*key, item)).expect("room");
+    }
+    let device = VirtualDevice::with_flash(&VirtualConfig::default(), library.close());
+    let mut bench = Bench::of(device.expect("the thesis's rig"));
+    let list = bench.ask("preset list");
+    println!("{list:?}");
+    assert!(list.starts_with("ok brass teflon rubber viscous unfit; active brass; default unfit; 1 unfit"));
+    assert!(list.contains("1 saved by another version"));
+    let refused = bench.ask("preset use unfit");
+    println!("{refused:?}");
+    assert!(refused.starts_with("err REFUSED: k_vc"), "{refused:?}");
 }
