@@ -1,6 +1,6 @@
 //! The command line as a whole.
 
-use crate::commands::{connect, convert, demo, diagnose, identify, predict, record, simulate};
+use crate::commands::{connect, convert, demo, diagnose, identify, predict, prove, record, simulate};
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
 
@@ -28,6 +28,8 @@ enum Command {
     Predict(predict::Args),
     /// Move a simulated rig with a model's friction and record it
     Simulate(simulate::Args),
+    /// Prove on sealed recordings that concealed effects are found, and nothing else
+    Prove(prove::Args),
     /// Convert a recording: csv, mat (v5) in; csv, mat, mcap out
     Convert(convert::Args),
 }
@@ -45,6 +47,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Diagnose(args) => diagnose::run(args),
         Command::Predict(args) => predict::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Prove(args) => prove::run(args),
         Command::Convert(args) => convert::run(args),
     }
 }

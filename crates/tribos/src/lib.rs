@@ -26,6 +26,7 @@ mod mcap_file;
 mod moves;
 mod options;
 mod progress;
+mod prove;
 mod raw;
 mod reading;
 mod recorder;

@@ -6,5 +6,6 @@ pub mod demo;
 pub mod diagnose;
 pub mod identify;
 pub mod predict;
+pub mod prove;
 pub mod record;
 pub mod simulate;

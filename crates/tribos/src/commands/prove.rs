@@ -1,0 +1,129 @@
+//! `tribos prove`: the concealed-effect proof.
+
+use crate::failure::{Failure, Outcome, Result};
+use crate::files;
+use crate::progress::Progress;
+use crate::prove::cases::{Extent, plan};
+use crate::prove::seal::{Places, seal};
+use crate::prove::tables::Proof;
+use crate::prove::{NOISE, answers, score};
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Options of `prove`.
+#[derive(Debug, clap::Args)]
+#[command(long_about = "\
+The concealed-effect proof: recordings of a plant that shares no equation with the diagnosis, with one effect hidden, or \
+two, or none, or only a fault of the recording. Every recording is diagnosed before the folder `sealed` with the labels is \
+opened.
+
+Strengths are times the noise: the root mean square, while sliding, of the force that the effect adds and that mass, \
+Coulomb and viscous friction of each direction cannot absorb, over the standard deviation of one force sample. At 1 the \
+effect has the size of the noise of a single sample.")]
+pub struct Args {
+    /// Recordings of each effect at each strength; ten times as many with nothing hidden
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    seeds: u64,
+    /// Seed of every draw: plants, motions, noise and order
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Strengths, times the noise
+    #[arg(long, value_name = "X,…", value_delimiter = ',', default_value = "0.3,1,2,5", value_parser = strength, allow_hyphen_values = true)]
+    strengths: Vec<f64>,
+    /// Hide these effects only; the whole catalogue, pairs and recording faults otherwise
+    #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
+    effects: Vec<String>,
+    /// Folder for recordings, answers and labels; the same options continue a proof that was interrupted
+    #[arg(long, value_name = "DIR", default_value = "tribos-proof")]
+    out: PathBuf,
+    /// Write the tables as JSON, `-` for standard output
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Three effects at 5 times the noise, once each, on short recordings
+    #[arg(long)]
+    quick: bool,
+}
+
+fn strength(text: &str) -> std::result::Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if (0.05..=100.0).contains(&x) => Ok(x),
+        _ => Err("a number from 0.05 to 100, times the noise, is accepted".into()),
+    }
+}
+
+pub(crate) fn run(args: &Args) -> Result<Outcome> {
+    if let Some(path) = &args.json {
+        files::check_writable(path)?;
+    }
+    let known = crate::prove::effects();
+    if let Some(unknown) = args.effects.iter().find(|e| !known.contains(&e.as_str())) {
+        return Err(Failure::new(format!("--effects: `{unknown}` cannot be hidden"))
+            .help(format!("accepted are {}", known.join(", "))));
+    }
+    let extent = extent(args);
+    let cases = plan(&extent);
+    let places = Places::new(&args.out);
+    let continued = places.prepare(&extent)?;
+    let quiet = args.json.as_deref() == Some(std::path::Path::new("-"));
+    if !quiet {
+        println!(
+            "{} recordings of {} s, noise of a force sample {NOISE} N{}",
+            cases.len(),
+            extent.seconds,
+            if continued { ", continued" } else { "" }
+        );
+    }
+    each("sealing recordings", cases.len(), |case| seal(&places, case, &cases[case], extent.seconds))?;
+    let count = cases.len();
+    // from here to the last answer nothing knows what is where
+    drop(cases);
+    each("diagnosing", count, |case| answers::answer(&places, case))?;
+    let outcomes = each("opening the labels", count, |case| score::score(&places, case))?;
+    let proof = Proof::new(outcomes);
+    let text = format!("{}\n", serde_json::to_string_pretty(&proof).map_err(Failure::new)?);
+    files::write(&places.file("prove.json"), text.as_bytes())?;
+    files::write(&places.file("cases.csv"), proof.cases_csv().as_bytes())?;
+    files::write(&places.file("confusion.csv"), proof.confusion_csv().as_bytes())?;
+    if let Some(path) = &args.json {
+        files::write(path, text.as_bytes())?;
+    }
+    if !quiet {
+        print!("{}", proof.describe());
+        println!(
+            "\n  {}: recordings, answers, labels, prove.json, cases.csv, confusion.csv",
+            args.out.display()
+        );
+    }
+    Ok(Outcome::Done)
+}
+
+fn extent(args: &Args) -> Extent {
+    let mut effects = args.effects.clone();
+    if args.quick && effects.is_empty() {
+        effects = ["spring", "cogging", "quadratic_drag"].map(String::from).to_vec();
+    }
+    Extent {
+        seeds: if args.quick { 1 } else { args.seeds },
+        seed: args.seed,
+        strengths: if args.quick { vec![5.0] } else { args.strengths.clone() },
+        seconds: if args.quick { 8.0 } else { 16.0 },
+        companions: effects.is_empty(),
+        effects,
+    }
+}
+
+/// Works on all cases on every core; the first failure ends it, what is done stays done.
+fn each<T: Send>(what: &str, count: usize, work: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
+    let bar = Progress::new(what);
+    let done = AtomicUsize::new(0);
+    (0..count)
+        .into_par_iter()
+        .map(|case| {
+            let result = work(case);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            bar.set(done as f32 / count.max(1) as f32, &format!("{what}: {done} of {count}"));
+            result
+        })
+        .collect()
+}

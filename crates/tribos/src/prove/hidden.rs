@@ -1,0 +1,205 @@
+//! What can be hidden: every effect of the catalogue in equations of this module's own, each scaled by one size.
+
+use super::plant::State;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// An effect to hide.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kind {
+    /// Catalogue id.
+    pub id: &'static str,
+    /// Other answers that are right: one class with it, or what its recording is a case of.
+    pub also: &'static [&'static str],
+    /// Coordinates over which its residual shows.
+    pub shows_over: &'static [&'static str],
+    /// A size to start from, and the largest that is still this effect.
+    pub size: (f64, f64),
+    /// Only an axis has it.
+    pub rotary: bool,
+    /// No motion of one body, seen by its own sensors, tells it from the baseline: the right answer is to say so.
+    pub never: bool,
+}
+
+const LOW: &[&str] = &["velocity", "low_speed"];
+const REVERSAL: &[&str] = &["distance_since_reversal", "time_since_reversal", "low_speed"];
+const PLACE: &[&str] = &["position", "position_forward", "position_backward"];
+const FAST: &[&str] = &["acceleration", "jerk", "force"];
+
+const fn kind(id: &'static str, shows_over: &'static [&'static str], size: f64, most: f64) -> Kind {
+    Kind { id, also: &[], shows_over, size: (size, most), rotary: false, never: false }
+}
+
+/// Everything that can be hidden.
+pub(crate) const ALL: &[Kind] = &[
+    kind("stribeck", LOW, 0.5, 5.0),
+    kind("sublinear_viscous", LOW, 0.5, 5.0),
+    kind("quadratic_drag", LOW, 0.3, 20.0),
+    kind("presliding", REVERSAL, 0.5, 3.0),
+    Kind { also: &["presliding"], ..kind("nonlocal_memory", REVERSAL, 0.5, 3.0) },
+    Kind { also: &["presliding"], ..kind("cable_hysteresis", REVERSAL, 0.5, 3.0) },
+    kind("frictional_lag", REVERSAL, 0.5, 3.0),
+    kind("rising_static_friction", REVERSAL, 0.5, 5.0),
+    kind("friction_drift", &["time"], 0.3, 3.0),
+    kind("position_dependent_friction", PLACE, 0.3, 1.5),
+    kind("load_dependent_friction", &["force", "acceleration"], 0.2, 0.9),
+    kind("spring", PLACE, 0.3, 20.0),
+    kind("nonlinear_spring", PLACE, 0.3, 20.0),
+    Kind { rotary: true, ..kind("gravity", PLACE, 0.3, 20.0) },
+    kind("cogging", PLACE, 0.2, 5.0),
+    kind("periodic_friction", PLACE, 0.2, 1.3),
+    kind("torque_ripple", PLACE, 0.1, 0.9),
+    kind("hard_stop", PLACE, 0.5, 50.0),
+    kind("backlash", FAST, 0.05, 0.35),
+    kind("compliance", FAST, 0.02, 1.5),
+    kind("saturation", FAST, 0.2, 0.9),
+    kind("actuator_lag", FAST, 1e-3, 0.03),
+    kind("time_skew", FAST, 1e-3, 0.03),
+    kind("velocity_lag", REVERSAL, 1e-3, 0.03),
+    kind("force_gain_asymmetry", FAST, 0.05, 0.9),
+    kind("encoder_eccentricity", FAST, 1e-4, 5e-3),
+    Kind { never: true, ..kind("back_emf", &[], 1.0, 1.0) },
+    Kind { never: true, ..kind("force_crosstalk", &[], 1.0, 1.0) },
+    Kind { never: true, ..kind("offset", &[], 0.2, 1.0) },
+];
+
+/// The kind with this id.
+pub(crate) fn find(id: &str) -> Option<&'static Kind> {
+    ALL.iter().find(|k| k.id == id)
+}
+
+/// An effect with its size and the constants that were drawn for it. Lengths are in half strokes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hidden {
+    /// Which.
+    pub kind: &'static Kind,
+    /// Its size: N or N·m at full effect, or the unit of the sensor effect.
+    pub size: f64,
+    /// Length, speed or time of the effect, as a share of its usual one: 0.7 to 1.4.
+    pub scale: f64,
+    /// A phase, 0 to 2π.
+    pub phase: f64,
+}
+
+impl Hidden {
+    /// Speed of the low-speed effects, half strokes per second.
+    fn speed(&self) -> f64 {
+        let usual = if self.kind.id == "stribeck" { 1.6 } else { 2.2 };
+        usual * self.scale
+    }
+
+    /// Period over the stroke, half strokes.
+    pub(crate) fn wavelength(&self) -> f64 {
+        0.4 * self.scale
+    }
+
+    /// Time constant, s.
+    fn time(&self, seconds: f64) -> f64 {
+        match self.kind.id {
+            "frictional_lag" => 0.015 * self.scale,
+            "rising_static_friction" => 0.12 * self.scale,
+            _ => 0.3 * seconds * self.scale,
+        }
+    }
+
+    /// Distances at which bristles give way, half strokes, with their shares; empty where there are none.
+    pub(crate) fn bristles(&self) -> Vec<(f64, f64)> {
+        let uniform =
+            |reach: f64| (0..24).map(|i| (reach * (f64::from(i) + 0.5) / 12.0, 1.0 / 24.0)).collect();
+        match self.kind.id {
+            "presliding" => uniform(0.03 * self.scale),
+            "cable_hysteresis" => uniform(0.12 * self.scale),
+            "nonlocal_memory" => {
+                (0..12).map(|i| (0.008 * self.scale * 10f64.powf(f64::from(i) / 8.0), 1.0 / 12.0)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Friction it adds while sliding in direction `s`, and to what holds a body at rest.
+    pub(crate) fn level(&self, s: f64, state: &State) -> f64 {
+        let State { y, w, t, seconds, load, age, .. } = *state;
+        let g = self.size;
+        match self.kind.id {
+            "stribeck" => g * (-(w / self.speed()).powi(2)).exp(),
+            "sublinear_viscous" => g * (1.0 - (-(w / self.speed()).abs()).exp()),
+            "quadratic_drag" => g * w * w / 10.0,
+            "back_emf" => g * w.abs() / 10.0,
+            "position_dependent_friction" => g * y,
+            "periodic_friction" => g * (TAU * y / self.wavelength() + self.phase).cos(),
+            "friction_drift" => g * (-t.max(0.0) / self.time(seconds)).exp(),
+            "load_dependent_friction" => g * load.abs(),
+            "rising_static_friction" => g * (1.0 - (-age / self.time(seconds)).exp()),
+            "frictional_lag" if state.late != s => -2.0 * g,
+            _ => 0.0,
+        }
+    }
+
+    /// Force against positive motion that does not ask for the direction.
+    pub(crate) fn force(&self, state: &State) -> f64 {
+        let State { y, .. } = *state;
+        let g = self.size;
+        match self.kind.id {
+            "spring" => g * y,
+            "nonlinear_spring" => g * y.powi(3),
+            "gravity" => g * (y + self.phase).sin(),
+            "cogging" => g * (TAU * y / self.wavelength() + self.phase).cos(),
+            "hard_stop" => g * (y - 0.55 * self.scale.min(1.2)).max(0.0),
+            "offset" => g,
+            _ => 0.0,
+        }
+    }
+
+    /// Time constant of frictional lag, s.
+    pub(crate) fn lag(&self) -> Option<f64> {
+        (self.kind.id == "frictional_lag").then(|| self.time(1.0))
+    }
+
+    /// Parameters a diagnosis would state, where the equations are the same; `half` is the half stroke, m or rad.
+    pub(crate) fn parameters(&self, half: f64, seconds: f64) -> BTreeMap<String, f64> {
+        let g = self.size;
+        let both = |name: &str, value: f64| vec![(format!("{name}_p"), value), (format!("{name}_n"), value)];
+        let one = |name: &str, value: f64| vec![(name.to_string(), value)];
+        let wave = |suffix: &str| {
+            let at = |name: &str, v: f64| one(&format!("{name}{suffix}"), v);
+            [
+                at("cosine", g * self.phase.cos()),
+                at("sine", -g * self.phase.sin()),
+                one("wavelength", self.wavelength() * half),
+            ]
+            .concat()
+        };
+        let named = match self.kind.id {
+            "stribeck" => [both("force", g), one("v_s", self.speed() * half)].concat(),
+            "sublinear_viscous" => [both("force", g), one("v_0", self.speed() * half)].concat(),
+            "quadratic_drag" => both("c", g / (10.0 * half * half)),
+            "position_dependent_friction" => both("slope", g / half),
+            "friction_drift" => [both("force", g), one("settling_time", self.time(seconds))].concat(),
+            "load_dependent_friction" => one("share", g),
+            "frictional_lag" => [one("force", g), one("lag", self.time(seconds))].concat(),
+            "spring" => one("stiffness", g / half),
+            "nonlinear_spring" => one("cubic", g / half.powi(3)),
+            "gravity" => [one("sine", g * self.phase.cos()), one("cosine", g * self.phase.sin())].concat(),
+            "cogging" => wave("_1"),
+            "periodic_friction" | "torque_ripple" => wave(""),
+            "hard_stop" => [one("k_p", g / half), one("x_max", 0.55 * self.scale.min(1.2) * half)].concat(),
+            "time_skew" => one("tau", g),
+            "force_gain_asymmetry" => one("gain", g),
+            _ => Vec::new(),
+        };
+        named.into_iter().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_a_diagnosis_can_name_can_be_hidden() {
+        for id in diagnose::effect_ids() {
+            assert!(find(id).is_some(), "{id}");
+        }
+        assert!(ALL.iter().enumerate().all(|(i, a)| ALL[i + 1..].iter().all(|b| b.id != a.id)));
+    }
+}

@@ -1,0 +1,162 @@
+//! Recordings onto disk, and the labels beside them, under a name that says what to do with them.
+
+use super::cases::{Extent, Planned, Purpose, Scene, stage};
+use super::sensors::{record, truth};
+use crate::failure::{Failure, Result};
+use crate::{files, reading};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// One effect of a case.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Concealed {
+    /// Catalogue id.
+    pub effect: String,
+    /// Times the noise that were asked for.
+    pub strength: f64,
+    /// Times the noise that were reached.
+    pub reached: f64,
+    /// Parameters as a diagnosis would state them, SI.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// What is concealed in a recording.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Label {
+    /// Number of the case.
+    pub case: usize,
+    /// `null`, `single`, `pair`, `never` or `decoy`.
+    pub kind: String,
+    /// What is hidden, or the decoy's name.
+    pub concealed: Vec<Concealed>,
+    /// Name of the decoy.
+    pub decoy: String,
+    /// The baseline's parameters, SI.
+    pub baseline: BTreeMap<String, f64>,
+}
+
+/// Where the files of a proof are.
+#[derive(Debug, Clone)]
+pub(crate) struct Places {
+    root: PathBuf,
+}
+
+impl Places {
+    /// A folder for a proof.
+    pub(crate) fn new(root: &Path) -> Self {
+        Self { root: root.to_path_buf() }
+    }
+
+    /// A file of the folder.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.root.join(name)
+    }
+
+    pub(crate) fn recording(&self, case: usize) -> PathBuf {
+        self.root.join(format!("recordings/{case:04}.csv"))
+    }
+
+    pub(crate) fn again(&self, case: usize) -> PathBuf {
+        self.root.join(format!("recordings/{case:04}-again.csv"))
+    }
+
+    pub(crate) fn answer(&self, case: usize, extension: &str) -> PathBuf {
+        self.root.join(format!("answers/{case:04}.{extension}"))
+    }
+
+    pub(crate) fn truth(&self, case: usize) -> PathBuf {
+        self.root.join(format!("sealed/{case:04}.csv"))
+    }
+
+    pub(crate) fn label(&self, case: usize) -> PathBuf {
+        self.root.join(format!("sealed/{case:04}.json"))
+    }
+
+    /// Makes the folders, and refuses one that holds another proof. True where this proof was begun before.
+    ///
+    /// # Errors
+    /// Names the folder and what is in the way.
+    pub(crate) fn prepare(&self, extent: &Extent) -> Result<bool> {
+        for folder in ["recordings", "answers", "sealed"] {
+            let path = self.root.join(folder);
+            std::fs::create_dir_all(&path)
+                .map_err(|e| Failure::in_file(&path, format!("cannot be made: {}", files::reason(&e))))?;
+        }
+        let plan = self.file("plan.json");
+        let wanted = serde_json::to_string_pretty(extent).map_err(Failure::new)?;
+        match std::fs::read_to_string(&plan) {
+            Ok(found) if found.trim() == wanted => Ok(true),
+            Ok(_) => Err(Failure::in_file(&self.root, "holds another proof")
+                .help("the same options continue it; another --out begins a new one")),
+            Err(_) => {
+                files::write(&plan, format!("{wanted}\n").as_bytes())?;
+                Ok(false)
+            }
+        }
+    }
+}
+
+/// Makes the recordings of one case and puts its label and its truth into the sealed folder.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(crate) fn seal(places: &Places, case: usize, planned: &Planned, seconds: f64) -> Result<()> {
+    // the label comes last: with it the case is whole
+    if places.label(case).exists() {
+        return Ok(());
+    }
+    let scene = stage(planned, seconds);
+    let decoy = match planned.purpose {
+        Purpose::Decoy(decoy) => Some(decoy),
+        _ => None,
+    };
+    for (path, (history, seen), seed) in [
+        (places.recording(case), &scene.recorded, planned.seed ^ 0x0011),
+        (places.again(case), &scene.again, planned.seed ^ 0x0022),
+    ] {
+        reading::write_csv(&path, &record(&scene.bench, seen, history, decoy, seed))?;
+    }
+    let (history, seen) = &scene.again;
+    let judge = truth(&scene.bench, seen, history);
+    reading::write_csv(&places.truth(case), &judge)?;
+    let text = serde_json::to_string_pretty(&label(case, planned, &scene, seconds)).map_err(Failure::new)?;
+    files::write(&places.label(case), text.as_bytes())
+}
+
+fn label(case: usize, planned: &Planned, scene: &Scene, seconds: f64) -> Label {
+    let half = scene.bench.half;
+    let strength = if let Purpose::Hidden { strength, .. } = planned.purpose { strength } else { 0.0 };
+    let concealed: Vec<Concealed> = scene
+        .hidden
+        .iter()
+        .zip(&scene.reached)
+        .map(|(h, reached)| Concealed {
+            effect: h.kind.id.into(),
+            strength,
+            reached: *reached,
+            parameters: h.parameters(half, seconds),
+        })
+        .collect();
+    let kind = match planned.purpose {
+        Purpose::Null => "null",
+        Purpose::Decoy(_) => "decoy",
+        Purpose::Hidden { first, .. } if first.never => "never",
+        Purpose::Hidden { second: Some(_), .. } => "pair",
+        Purpose::Hidden { .. } => "single",
+    };
+    let body = &scene.body;
+    let baseline = [
+        ("mass", body.mass / half),
+        ("coulomb_p", body.coulomb[0]),
+        ("coulomb_n", body.coulomb[1]),
+        ("viscous_p", body.viscous[0] / half),
+        ("viscous_n", body.viscous[1] / half),
+    ];
+    Label {
+        case,
+        kind: kind.into(),
+        concealed,
+        decoy: if let Purpose::Decoy(d) = planned.purpose { d.id.into() } else { String::new() },
+        baseline: baseline.into_iter().map(|(n, v)| (n.to_string(), v)).collect(),
+    }
+}
