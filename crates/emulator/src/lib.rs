@@ -20,10 +20,12 @@
 #![forbid(unsafe_code)]
 
 mod adc;
+pub mod block;
 mod bus;
 mod dac;
 pub mod firmware;
 mod flash;
+mod flood;
 mod gpio;
 mod image;
 mod iwdg;
@@ -31,6 +33,7 @@ mod lpuart;
 mod machine;
 mod rcc;
 mod reach;
+pub mod report;
 mod soc;
 mod stats;
 mod supply;

@@ -68,6 +68,11 @@ impl Lpuart {
         self.next_byte(now);
     }
 
+    /// Bytes typed that did not yet arrive.
+    pub fn waiting(&self) -> usize {
+        self.typed.len()
+    }
+
     fn next_byte(&mut self, now: u64) {
         if self.arrival.is_none() && !self.typed.is_empty() {
             let byte = 10 * units_per_cycle(TERMINAL_BAUD as u64);

@@ -239,6 +239,12 @@ impl Machine {
         self.shared.touched.store(true, Relaxed);
     }
 
+    /// Bytes typed that are not yet on the wire.
+    #[must_use]
+    pub fn serial_waiting(&self) -> usize {
+        self.shared.soc().lpuart.waiting()
+    }
+
     /// Takes what the terminal has shown.
     pub fn serial_read(&mut self) -> Vec<u8> {
         self.shared.soc().lpuart.shown.drain(..).collect()

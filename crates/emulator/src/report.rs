@@ -1,0 +1,396 @@
+//! How the firmware fares under the worst a user can do to it, in figures: full telemetry, a serial line flooded with
+//! commands and garbage, presets swapped, a hand that slides and sticks.
+
+use crate::flood::{Flood, Kind};
+use crate::{Image, Machine, UNITS_PER_SECOND};
+use link::{Decoder, Frame, Item, Sample, reply};
+use serde::Serialize;
+use std::fmt;
+
+/// Bytes the terminal may have typed ahead: the wire never rests, and what is typed is soon sent.
+const AHEAD: usize = 256;
+/// Slower than this the handle does not slide, m/s.
+const SLIDING: f64 = 1e-3;
+
+/// The figures. Times are virtual; cycles are those of an interpreter without flash wait states.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Observed time, s.
+    pub seconds: f64,
+    /// Control rate, Hz.
+    pub rate_hz: f64,
+    /// From power-on to the first control step, ms.
+    pub boot_ms: f64,
+    /// Control steps in that time.
+    pub steps: u64,
+    /// Control steps that should have been.
+    pub steps_due: u64,
+    /// Samples nobody served, and triggers that met a busy converter.
+    pub missed: u64,
+    /// Forces that were not ready when the DAC put them out.
+    pub late: u64,
+    /// End of conversion to the change of the DAC's output: largest, µs.
+    pub latency_us_max: f64,
+    /// The same, mean, µs.
+    pub latency_us_mean: f64,
+    /// The same, largest less smallest, µs.
+    pub jitter_us: f64,
+    /// End of conversion to the force in the DAC's holding register: largest, µs.
+    pub ready_us_max: f64,
+    /// Control interrupt from entry to exit: mean, cycles.
+    pub step_cycles_mean: f64,
+    /// The same, largest, cycles.
+    pub step_cycles_max: f64,
+    /// Share of the time in which the core was awake.
+    pub load: f64,
+    /// Most stack that was used, bytes.
+    pub stack_bytes: u32,
+    /// Programmed, bytes.
+    pub flash_bytes: usize,
+    /// Static data, bytes.
+    pub ram_bytes: usize,
+    /// Telemetry frames that came whole.
+    pub frames: u64,
+    /// Frames that are missing between the first and the last, or came broken.
+    pub frames_lost: u64,
+    /// Answers to commands and to garbage: `ok …`.
+    pub commands_answered: u64,
+    /// The same: `err …`.
+    pub commands_refused: u64,
+    /// Commands typed that may be obeyed.
+    pub commands_typed: u64,
+    /// Bytes typed that are no line.
+    pub garbage_bytes: u64,
+    /// Presets that were swapped while the handle rendered.
+    pub preset_swaps: u64,
+    /// Bytes the receiver itself lost.
+    pub serial_overruns: u64,
+    /// Share of the time in which the handle slid; in the rest it stuck.
+    pub sliding_share: f64,
+    /// Resets during the run.
+    pub resets: usize,
+    /// First fault in the telemetry; 0 for none.
+    pub fault: u8,
+    /// What the data sheet forbids and the firmware did.
+    pub violations: Vec<String>,
+    /// All bars of DESIGN.md are met.
+    pub met: bool,
+}
+
+/// The firmware cannot be observed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unfit {
+    /// It did not get that far.
+    #[error("the firmware made no control step within {0} ms of power-on")]
+    NoStep(f64),
+    /// A command that must be obeyed was not.
+    #[error("`{command}` was not obeyed: {answer}")]
+    Refused {
+        /// What was typed.
+        command: String,
+        /// What was said, or the lack of it.
+        answer: String,
+    },
+    /// There is nothing to judge.
+    #[error("seconds = {0}: accepted is 0.1 to 3600")]
+    Seconds(f64),
+}
+
+/// Boots the image and observes it for so many virtual seconds. `progress` hears the share that is done.
+///
+/// # Errors
+/// The firmware does not run, or does not obey.
+pub fn observe(image: &Image, seconds: f64, mut progress: impl FnMut(f64)) -> Result<Report, Unfit> {
+    if !(0.1..=3600.0).contains(&seconds) {
+        return Err(Unfit::Seconds(seconds));
+    }
+    let mut bench = Bench::new(Machine::free_handle(image, 1));
+    const BOOT_MS: f64 = 200.0;
+    bench.run(BOOT_MS);
+    let boot_ms = bench.machine.first_step_ms().ok_or(Unfit::NoStep(BOOT_MS))?;
+    // the banner and whatever else it says first
+    for command in ["preset use rubber", "render on", "stream on"] {
+        bench.obeyed(command)?;
+    }
+    bench.machine.set_hand(to_and_fro);
+    bench.run(20.0);
+    bench.begin();
+    let whole = (seconds * 1000.0).round() as u64;
+    for ms in 0..whole {
+        bench.flood();
+        bench.run(1.0);
+        if ms % 100 == 0 {
+            progress(ms as f64 / whole as f64);
+        }
+    }
+    Ok(bench.report(image, whole as f64 / 1000.0, boot_ms))
+}
+
+/// A hand that moves the handle by 8 mm to and fro, and every fourth second holds it still.
+fn to_and_fro(t: f64, x: f64, v: f64) -> f64 {
+    let phase = t % 4.0;
+    let omega = std::f64::consts::TAU;
+    let (target, speed) = if phase < 3.0 {
+        (8e-3 * (omega * phase).sin(), 8e-3 * omega * (omega * phase).cos())
+    } else {
+        (0.0, 0.0)
+    };
+    1_500.0 * (target - x) + 15.0 * (speed - v)
+}
+
+/// The board, and whoever floods its serial line.
+struct Bench {
+    machine: Machine,
+    decoder: Decoder,
+    flood: Flood,
+    lines: Vec<String>,
+    period_ticks: Option<(u32, u32)>,
+    last_seq: Option<u32>,
+    frames: u64,
+    lost: u64,
+    fault: u8,
+    answered: u64,
+    refused: u64,
+    swaps: u64,
+    typed: u64,
+    garbage: u64,
+    sliding: u64,
+    slices: u64,
+}
+
+impl Bench {
+    fn new(machine: Machine) -> Self {
+        Self {
+            machine,
+            decoder: Decoder::new(),
+            flood: Flood::new(1),
+            lines: Vec::new(),
+            period_ticks: None,
+            last_seq: None,
+            frames: 0,
+            lost: 0,
+            fault: 0,
+            answered: 0,
+            refused: 0,
+            swaps: 0,
+            typed: 0,
+            garbage: 0,
+            sliding: 0,
+            slices: 0,
+        }
+    }
+
+    fn run(&mut self, ms: f64) {
+        self.machine.run_for(ms);
+        self.slices += 1;
+        self.sliding += u64::from(self.machine.truth().velocity.abs() > SLIDING);
+        for byte in self.machine.serial_read() {
+            match self.decoder.push(byte) {
+                Some(Item::Text(line)) => self.lines.push(line.to_owned()),
+                Some(Item::Frame(_, Frame::Header(header))) => {
+                    self.period_ticks = Some((header.tick_hz, header.period_ticks));
+                }
+                Some(Item::Frame(seq, Frame::Sample(sample))) => self.frame(seq, &sample),
+                Some(Item::Corrupt(_)) => self.lost += 1,
+                None => {}
+            }
+        }
+        for line in self.lines.iter().filter(|line| reply::is_answer(line)) {
+            if line.starts_with("err") {
+                self.refused += 1;
+            } else {
+                self.answered += 1;
+                self.swaps +=
+                    u64::from(["ok brass", "ok teflon", "ok rubber"].iter().any(|s| line.starts_with(s)));
+            }
+        }
+    }
+
+    fn frame(&mut self, seq: u32, sample: &Sample) {
+        if let Some(last) = self.last_seq.replace(seq) {
+            self.lost += u64::from(seq.wrapping_sub(last).saturating_sub(1));
+        }
+        self.frames += 1;
+        if self.fault == 0 {
+            self.fault = sample.fault;
+        }
+    }
+
+    fn obeyed(&mut self, command: &str) -> Result<(), Unfit> {
+        self.machine.serial_write(format!("{command}\n").as_bytes());
+        for _ in 0..200 {
+            self.lines.clear();
+            self.run(1.0);
+            if let Some(answer) = self.lines.iter().find(|line| reply::is_answer(line)) {
+                return if answer.starts_with("ok") { Ok(()) } else { Err(refused(command, answer)) };
+            }
+        }
+        Err(refused(command, "no answer within 200 ms"))
+    }
+
+    /// From here on it counts.
+    fn begin(&mut self) {
+        self.machine.reset_statistics();
+        (self.answered, self.refused, self.swaps, self.sliding, self.slices) = (0, 0, 0, 0, 0);
+        (self.frames, self.lost, self.fault) = (0, 0, 0);
+    }
+
+    fn flood(&mut self) {
+        self.lines.clear();
+        while self.machine.serial_waiting() < AHEAD {
+            let (kind, bytes) = self.flood.piece();
+            self.machine.serial_write(&bytes);
+            match kind {
+                Kind::Command => self.typed += 1,
+                Kind::Refused => {}
+                Kind::Garbage => self.garbage += bytes.len() as u64,
+            }
+        }
+    }
+
+    fn report(self, image: &Image, seconds: f64, boot_ms: f64) -> Report {
+        let s = self.machine.statistics();
+        let rate_hz = self.period_ticks.map_or(0.0, |(hz, ticks)| f64::from(hz) / f64::from(ticks.max(1)));
+        let mut report = Report {
+            seconds,
+            rate_hz,
+            boot_ms,
+            steps: s.steps,
+            steps_due: (s.elapsed as f64 / UNITS_PER_SECOND as f64 * rate_hz).round() as u64,
+            missed: s.missed,
+            late: s.stale_outputs,
+            latency_us_max: s.latency_us.max,
+            latency_us_mean: s.latency_us.mean(),
+            jitter_us: s.latency_us.spread(),
+            ready_us_max: s.compute_us.max,
+            step_cycles_mean: s.step_cycles.mean(),
+            step_cycles_max: s.step_cycles.max,
+            load: s.load(),
+            stack_bytes: self.machine.stack_bytes(),
+            flash_bytes: image.flash_bytes,
+            ram_bytes: image.ram_bytes,
+            frames: self.frames,
+            frames_lost: self.lost,
+            commands_answered: self.answered,
+            commands_refused: self.refused,
+            commands_typed: self.typed,
+            garbage_bytes: self.garbage,
+            preset_swaps: self.swaps,
+            serial_overruns: self.machine.serial_overruns(),
+            sliding_share: self.sliding as f64 / self.slices.max(1) as f64,
+            resets: self.machine.resets().len(),
+            fault: self.fault,
+            violations: self.machine.violations().into_iter().collect(),
+            met: false,
+        };
+        report.met = report.bars().iter().all(|bar| bar.met);
+        report
+    }
+}
+
+fn refused(command: &str, answer: &str) -> Unfit {
+    Unfit::Refused { command: command.to_owned(), answer: answer.to_owned() }
+}
+
+/// One figure against what it must be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bar {
+    /// Of what.
+    pub what: &'static str,
+    /// As it was observed, with its unit.
+    pub figure: String,
+    /// As it must be.
+    pub bar: String,
+    /// It is.
+    pub met: bool,
+}
+
+impl Report {
+    /// The figures that DESIGN.md and the proof ask for, each against its bar.
+    #[must_use]
+    pub fn bars(&self) -> Vec<Bar> {
+        let bar = |what, figure: String, bar: &str, met| Bar { what, figure, bar: bar.to_owned(), met };
+        let due = self.steps_due;
+        vec![
+            bar(
+                "boot to first control step",
+                format!("{:.2} ms", self.boot_ms),
+                "< 100 ms",
+                self.boot_ms < 100.0,
+            ),
+            bar("control steps", self.steps.to_string(), &format!("{due}"), self.steps == due && due > 0),
+            bar(
+                "missed, late",
+                format!("{}, {}", self.missed, self.late),
+                "0, 0",
+                self.missed + self.late == 0,
+            ),
+            bar(
+                "sample to force output, worst",
+                format!("{:.2} us", self.latency_us_max),
+                "<= 20 us",
+                self.latency_us_max <= 20.0,
+            ),
+            bar("its jitter", format!("{:.3} us", self.jitter_us), "< 1 us", self.jitter_us < 1.0),
+            bar(
+                "control step, worst",
+                format!("{:.0} cycles (mean {:.0})", self.step_cycles_max, self.step_cycles_mean),
+                "< 1700 cycles",
+                self.step_cycles_max < 1700.0,
+            ),
+            bar("flash", format!("{} B", self.flash_bytes), "< 131072 B", self.flash_bytes < 131_072),
+            bar("static RAM", format!("{} B", self.ram_bytes), "< 32768 B", self.ram_bytes < 32_768),
+            bar(
+                "stack, high water",
+                format!("{} B", self.stack_bytes),
+                "with static RAM < 98304 B",
+                self.ram_bytes + (self.stack_bytes as usize) < 98_304,
+            ),
+            bar("telemetry frames lost", format!("{} of {}", self.frames_lost, self.frames), "0", {
+                self.frames_lost == 0 && self.frames > 0
+            }),
+            bar(
+                "faults, resets",
+                format!("{}, {}", self.fault, self.resets),
+                "0, 0",
+                self.fault == 0 && self.resets == 0,
+            ),
+            bar(
+                "against the data sheet",
+                if self.violations.is_empty() { "nothing".into() } else { self.violations.join("; ") },
+                "nothing",
+                self.violations.is_empty(),
+            ),
+        ]
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} virtual s at {:.0} Hz, stream on, handle sliding {:.0} % of the time; the serial line flooded with",
+            self.seconds,
+            self.rate_hz,
+            100.0 * self.sliding_share
+        )?;
+        writeln!(
+            f,
+            "{} commands and {} B of garbage: {} answered ok, {} err; {} presets swapped; core awake {:.1} %",
+            self.commands_typed,
+            self.garbage_bytes,
+            self.commands_answered,
+            self.commands_refused,
+            self.preset_swaps,
+            100.0 * self.load
+        )?;
+        writeln!(f)?;
+        writeln!(f, "| what | figure | bar | |")?;
+        writeln!(f, "| --- | --- | --- | --- |")?;
+        for bar in self.bars() {
+            let verdict = if bar.met { "met" } else { "**NOT met**" };
+            writeln!(f, "| {} | {} | {} | {verdict} |", bar.what, bar.figure, bar.bar)?;
+        }
+        write!(f, "\nCycles without flash wait states: a lower bound for the hardware.")
+    }
+}
