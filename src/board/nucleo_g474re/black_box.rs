@@ -46,7 +46,7 @@ fn set(at: usize, word: u32) {
 }
 
 fn check() -> u32 {
-    (KIND..=LINE).fold(MARK, |sum, at| sum.rotate_left(5) ^ get(at))
+    (KIND..=LINE).fold(MARK, |sum, at| sum ^ get(at))
 }
 
 /// At the start: what is kept of before. `cause` is a reset that nobody asked for.
@@ -62,22 +62,25 @@ pub(super) fn open(cause: Option<FaultKind>) {
 }
 
 /// One control step: its motion, or the fault it found.
+#[inline]
 pub(super) fn note(step: u32, outputs: &Outputs) {
     if get(KIND) != 0 {
         return;
     }
+    let (position, velocity) = (outputs.position.to_bits(), outputs.velocity.to_bits());
     set(STEP, step);
-    set(POSITION, outputs.position.to_bits());
-    set(VELOCITY, outputs.velocity.to_bits());
-    match outputs.fault {
+    set(POSITION, position);
+    set(VELOCITY, velocity);
+    if let Some(kind) = outputs.fault {
         // mode and force are those of the step before
-        Some(kind) => set(KIND, kind.code().into()),
-        None => {
-            set(MODE, outputs.mode.code().into());
-            set(FORCE, outputs.force.to_bits());
-        }
+        set(KIND, kind.code().into());
+        set(CHECK, check());
+        return;
     }
-    set(CHECK, check());
+    let (mode, force) = (u32::from(outputs.mode.code()), outputs.force.to_bits());
+    set(MODE, mode);
+    set(FORCE, force);
+    set(CHECK, MARK ^ step ^ position ^ velocity ^ mode ^ force);
 }
 
 /// The firmware is about to restart itself.
