@@ -69,12 +69,14 @@ fn panel(out: &mut String, at: f64, panel: &Panel) {
     let [left, right, top, bottom] = MARGIN;
     let all = || panel.series.iter().flat_map(|s| &s.points);
     let x = Axis::new(all().map(|p| p.0), panel.log, [at + left, at + WIDTH - right]);
-    let y = Axis::new(all().map(|p| p.1), panel.log, [HEIGHT - bottom, top]);
+    // the legend is above what is drawn
+    let room = 15.0 * panel.series.len() as f64 + 6.0;
+    let y = Axis::new(all().map(|p| p.1), panel.log, [HEIGHT - bottom, top + room]);
     let number = |v: f64| {
         if v != 0.0 && v.abs() < 0.009 { format!("{v:.0e}") } else { format!("{}", (v * 1e9).round() / 1e9) }
     };
     for tick in x.ticks() {
-        let (p, low, high) = (x.at(tick), y.start, y.end);
+        let (p, low, high) = (x.at(tick), y.start, top);
         let _ = writeln!(
             out,
             r#"<path class="g" d="M{p:.1} {low}V{high}"/><text x="{p:.1}" y="{:.1}" text-anchor="middle">{}</text>"#,
@@ -108,13 +110,6 @@ fn panel(out: &mut String, at: f64, panel: &Panel) {
             s.colour
         );
     }
-    let legend = 15.0 * panel.series.len() as f64 + 4.0;
-    let _ = writeln!(
-        out,
-        r#"<rect x="{:.1}" y="{:.1}" width="172" height="{legend}" fill="white" fill-opacity="0.85"/>"#,
-        x.start + 4.0,
-        top + 2.0
-    );
     for (k, s) in panel.series.iter().enumerate() {
         let line = top + 14.0 + 15.0 * k as f64;
         let _ = writeln!(
@@ -127,7 +122,7 @@ fn panel(out: &mut String, at: f64, panel: &Panel) {
             s.name
         );
     }
-    let (middle, centre) = (0.5 * (x.start + x.end), 0.5 * (y.start + y.end));
+    let (middle, centre) = (0.5 * (x.start + x.end), 0.5 * (y.start + top));
     let _ = writeln!(
         out,
         r#"<rect x="{}" y="{top}" width="{}" height="{}" fill="none" stroke="currentColor"/>
@@ -136,7 +131,7 @@ fn panel(out: &mut String, at: f64, panel: &Panel) {
 <text transform="translate({} {centre}) rotate(-90)" text-anchor="middle">{}</text>"#,
         x.start,
         x.end - x.start,
-        y.start - y.end,
+        y.start - top,
         panel.title,
         HEIGHT - 8.0,
         panel.axes[0],
