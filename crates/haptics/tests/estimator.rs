@@ -301,6 +301,7 @@ fn an_encoder_whose_phases_are_off_costs_its_error_in_speed_and_no_more() {
         let counts = (speed * 1e-3 / COUNT).max(1.0).floor();
         let expected = (worst_interval / (counts - worst_interval)).max(0.1 / 1.1);
         assert!(worst <= speed * expected * 1.01, "{speed}: {worst}");
-        assert!(std < plain, "{speed}");
+        // beyond, that bound costs more than the resolution of a count over a period
+        assert!(speed > 0.05 || 2.0 * std < plain, "{speed}");
     }
 }
