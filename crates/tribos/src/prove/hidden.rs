@@ -57,7 +57,7 @@ pub(crate) const ALL: &[Kind] = &[
     kind("time_skew", FAST, 1e-3, 0.03),
     kind("velocity_lag", REVERSAL, 1e-3, 0.03),
     kind("force_gain_asymmetry", FAST, 0.05, 0.9),
-    kind("encoder_eccentricity", FAST, 1e-4, 5e-3),
+    kind("encoder_eccentricity", FAST, 1e-3, 0.03),
     Kind { never: true, ..kind("back_emf", &[], 1.0, 1.0) },
     Kind { never: true, ..kind("force_crosstalk", &[], 1.0, 1.0) },
     Kind { never: true, ..kind("offset", &[], 0.2, 1.0) },

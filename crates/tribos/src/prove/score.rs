@@ -16,7 +16,7 @@ use std::path::Path;
 pub(crate) struct Outcome {
     /// Number of the case.
     pub case: usize,
-    /// `null`, `single`, `pair`, `never` or `decoy`.
+    /// `null`, `single`, `pair`, `never`, `decoy` or `unreached`.
     pub kind: String,
     /// What was hidden, with `+` between two; the decoy's name; `nothing`.
     pub hidden: String,
@@ -30,7 +30,7 @@ pub(crate) struct Outcome {
     pub equal: Vec<String>,
     /// The hidden effect is first.
     pub first: bool,
-    /// It is first, or said to be indistinguishable from what is.
+    /// It is first, or said to be indistinguishable from what is, or nothing is named and the recording is said to be blind to it.
     pub told: bool,
     /// Everything hidden is named.
     pub all: bool,
@@ -71,6 +71,7 @@ pub(crate) fn score(places: &Places, case: usize) -> Result<Outcome> {
     let hidden: Vec<&str> = label.concealed.iter().map(|c| c.effect.as_str()).collect();
     let any = |said: &str| hidden.iter().any(|h| right(h, said));
     let allowed = DECOYS.iter().find(|d| d.id == label.decoy).map_or(&[][..], |d| d.allowed);
+    let unseen = named.is_empty() && hidden.iter().any(|h| blind.iter().any(|b| b == h));
     let first = named.first().is_some_and(|n| any(n));
     let mut out = Outcome {
         case,
@@ -82,7 +83,7 @@ pub(crate) fn score(places: &Places, case: usize) -> Result<Outcome> {
         strength: label.concealed.first().map_or(0.0, |c| c.strength),
         verdict: answer["verdict"].as_str().unwrap_or_default().into(),
         first,
-        told: first || equal.iter().any(|e| any(e)),
+        told: first || unseen || equal.iter().any(|e| any(e)),
         all: hidden.iter().all(|h| named.iter().any(|n| right(h, n))),
         false_alarm: named.iter().any(|n| !any(n) && !allowed.contains(&n.as_str())),
         blind: hidden.iter().any(|h| blind.iter().any(|b| b == h)),

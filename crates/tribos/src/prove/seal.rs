@@ -25,7 +25,7 @@ pub(crate) struct Concealed {
 pub(crate) struct Label {
     /// Number of the case.
     pub case: usize,
-    /// `null`, `single`, `pair`, `never` or `decoy`.
+    /// `null`, `single`, `pair`, `never`, `decoy` or `unreached`.
     pub kind: String,
     /// What is hidden, or the decoy's name.
     pub concealed: Vec<Concealed>,
@@ -137,7 +137,10 @@ fn label(case: usize, planned: &Planned, scene: &Scene, seconds: f64) -> Label {
             parameters: h.parameters(half, seconds),
         })
         .collect();
+    let missed = |c: &Concealed| !(0.75..1.34).contains(&(c.reached / c.strength));
     let kind = match planned.purpose {
+        // on this plant and motion the effect does not come to that size: nothing is known about the case then
+        Purpose::Hidden { first, .. } if !first.never && concealed.iter().any(missed) => "unreached",
         Purpose::Null => "null",
         Purpose::Decoy(_) => "decoy",
         Purpose::Hidden { first, .. } if first.never => "never",

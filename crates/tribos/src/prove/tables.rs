@@ -57,7 +57,7 @@ pub(crate) struct Proof {
     pub schema: &'static str,
     /// Hidden alone, at the noise or above: first.
     pub single_first: Rate,
-    /// The same, first or said to be indistinguishable from what is first.
+    /// The same, or said to be indistinguishable from what is first, or said to be what the recording is blind to.
     pub single_told: Rate,
     /// Hidden alone, below the noise: first.
     pub below_noise_first: Rate,
@@ -247,7 +247,7 @@ impl Proof {
         let explained = self.explained_median.map_or_else(|| "–".into(), |x| format!("{x:.3}"));
         let lines = [
             ("named first, 1 × the noise and above", self.single_first.said()),
-            ("  or said to be indistinguishable from the first", self.single_told.said()),
+            ("  or said to be its equal, or invisible here", self.single_told.said()),
             ("named first, below the noise", self.below_noise_first.said()),
             ("pairs, both named", self.pair_both.said()),
             ("false alarms where nothing is hidden", self.null_false_alarms.said()),
