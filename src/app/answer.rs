@@ -1,10 +1,11 @@
 //! What is said when the control loop has obeyed a request, and how single answers are worded.
 
 use super::Telemetry;
+use super::calibrate::{Fit, describe};
 use core::fmt::{self, Write};
 use haptics::{Denied, Device, Excitation, FaultKind, Identified, Settings, Warning};
 use heapless::String;
-use link::Name;
+use link::{Name, Sensor};
 
 /// Longest line of an answer, bytes.
 pub(super) const LINE: usize = 480;
@@ -17,6 +18,10 @@ pub(super) type Line = String<LINE>;
 pub(super) enum Pending {
     /// New settings; under the name of a preset, or a parameter was set.
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
+    /// A calibration: the device with its channels, and what is said of them.
+    Calibrated(Device, [Option<Fit>; 2]),
+    /// The push of the self-test: it says nothing itself.
+    Push,
     /// Another control rate: the device with its period.
     Rate(Device),
     /// `render`
@@ -54,6 +59,12 @@ impl Pending {
                     Named::Parameter(name) => value(settings, name, out),
                 }
             }
+            Self::Calibrated(device, fits) => {
+                out.write_str("ok calibrate, until the device restarts")?;
+                describe(Sensor::Load, &device.load, fits[0].as_ref(), out)?;
+                describe(Sensor::Accel, &device.accel, fits[1].as_ref(), out)
+            }
+            Self::Push => Ok(()),
             Self::Rate(device) => write!(out, "ok rate {:.0} Hz", 1.0 / device.period),
             Self::Render(on) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
             Self::Move(e, watch) => {

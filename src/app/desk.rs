@@ -3,15 +3,16 @@
 mod presets;
 
 use super::answer::{self, Line, Named, Pending};
+use super::calibrate::{Calibration, describe};
 use super::listing::Listing;
-use super::selftest::SelfTest;
+use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
 use super::{DeskEnds, FaultReport, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
 use haptics::{Config, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver};
-use link::{BadLine, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, PresetStore};
+use link::{BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, PresetStore, Sensor};
 use ringbuf::traits::{Consumer, Producer};
 
 /// Preset after a start, unless another is the default.
@@ -42,6 +43,7 @@ pub struct Desk {
     /// An answer of several lines, and its next line.
     listing: Option<(Listing, usize)>,
     selftest: Option<SelfTest>,
+    calibration: Calibration,
     solver: Solver,
     stream: Option<Stream>,
     last: Option<Telemetry>,
@@ -54,6 +56,8 @@ pub struct Desk {
     /// The host has spoken since its last promise was handed on, ms.
     heard: bool,
     promised_ms: u32,
+    /// The self-test is to push the handle.
+    push: bool,
 }
 
 impl Desk {
@@ -73,6 +77,7 @@ impl Desk {
             pending: None,
             listing: None,
             selftest: None,
+            calibration: Calibration::default(),
             solver: Solver::new(&device, &Procedure::default()),
             stream: None,
             last: None,
@@ -82,6 +87,7 @@ impl Desk {
             watch_s: WATCH_S,
             heard: false,
             promised_ms: 0,
+            push: false,
         }
     }
 
@@ -111,6 +117,7 @@ impl Desk {
             || self.saving.is_some()
             || self.listing.is_some()
             || self.selftest.is_some()
+            || self.calibration.is_taking()
             || self.output.is_behind()
     }
 
@@ -170,6 +177,9 @@ impl Desk {
             self.pending = None;
             self.err("NO_ANSWER", "the control loop does not run; see `fault`, or restart the device");
         }
+        if core::mem::take(&mut self.push) {
+            self.ask(Request::Probe, Pending::Push, board.now_ms(), ends);
+        }
         self.promise(board.now_ms(), ends);
         self.poll_saving(board);
         self.list(board);
@@ -214,6 +224,13 @@ impl Desk {
 
     fn handled(&mut self, denied: Option<haptics::Denied>) {
         let Some((pending, _)) = self.pending.take() else { return };
+        if pending == Pending::Push {
+            if denied.is_none() {
+                // the self-test tells when it is over
+                return;
+            }
+            self.selftest = None;
+        }
         let mut line = Line::new();
         if let Some(why) = denied {
             answer::denied(why, self.fault_kind(), &mut line);
@@ -232,6 +249,11 @@ impl Desk {
                 Pending::Clear => {
                     self.fault = None;
                     self.cleared = true;
+                }
+                Pending::Calibrated(device, _) => {
+                    self.device = device;
+                    self.solver = Solver::new(&self.device, &Procedure::default());
+                    self.calibration.discard();
                 }
                 _ => {}
             }
@@ -266,7 +288,8 @@ impl Desk {
     fn see(&mut self, telemetry: &Telemetry) {
         if let Some(last) = &self.last {
             self.unseen = self.unseen.saturating_add(telemetry.step.wrapping_sub(last.step).wrapping_sub(1));
-            if is_driven(last.outputs.mode)
+            if self.selftest.is_none()
+                && is_driven(last.outputs.mode)
                 && telemetry.outputs.mode == ModeId::Idle
                 && self.output.fits_line(answer::LINE)
             {
@@ -279,19 +302,54 @@ impl Desk {
         if let Some(stream) = &mut self.stream {
             stream.take(telemetry, &self.device, &mut self.output);
         }
-        if let Some(test) = &mut self.selftest
-            && test.take(telemetry, &self.device)
-        {
-            let checks = test.checks(&self.device);
-            self.selftest = None;
-            let failed = checks.iter().filter(|check| !check.passed).count();
-            let mut line = Line::new();
-            let _ = match failed {
-                0 => write!(line, "ok selftest passed, {} lines:", checks.len()),
-                _ => write!(line, "err SELFTEST: {failed} checks failed, {} lines:", checks.len()),
-            };
+        if let Some(line) = self.calibration.take(telemetry, &self.device) {
             self.say(&line);
-            self.listing = Some((Listing::Checks(checks), 0));
+        }
+        let Some(test) = &mut self.selftest else { return };
+        match test.take(telemetry, &self.device) {
+            Progress::More => {}
+            Progress::Push => self.push = true,
+            Progress::Done => self.tested(),
+        }
+    }
+
+    fn tested(&mut self) {
+        let Some(test) = self.selftest.take() else { return };
+        let checks = test.checks(&self.device);
+        let failed = checks.iter().filter(|check| !check.passed).count();
+        let mut line = Line::new();
+        let _ = match failed {
+            0 => write!(line, "ok selftest passed, {} lines:", checks.len()),
+            _ => write!(line, "err SELFTEST: {failed} checks failed, {} lines:", checks.len()),
+        };
+        self.say(&line);
+        self.listing = Some((Listing::Checks(checks), 0));
+    }
+
+    fn calibrate(&mut self, step: Calibrate, now: u32, ends: &mut DeskEnds<'_>, board: &impl Board) {
+        match step {
+            Calibrate::Status => {
+                let mut line = Line::new();
+                let _ = line.write_str("ok calibrate status");
+                let _ = describe(Sensor::Load, &self.device.load, None, &mut line);
+                let _ = describe(Sensor::Accel, &self.device.accel, None, &mut line);
+                self.say(&line);
+            }
+            Calibrate::Discard => {
+                self.calibration.discard();
+                self.ok(format_args!("calibrate discard: no points"));
+            }
+            _ if self.last.is_none_or(|t| t.outputs.mode != ModeId::Idle) => {
+                self.err("BUSY", "calibrate is accepted while idle: `stop`, or `clear` a fault, first");
+            }
+            Calibrate::Point(sensor, value) => self.calibration.begin(sensor, value),
+            Calibrate::Save => match self.calibration.fit(&self.device, &board.device()) {
+                Ok((device, fits)) => match self.settings.build(&device) {
+                    Ok(config) => self.reconfigure(config, Pending::Calibrated(device, fits), now, ends),
+                    Err(refused) => self.err("REFUSED", refused),
+                },
+                Err((sensor, unfit)) => self.err("CALIBRATION", format_args!("{}: {unfit}", sensor.id())),
+            },
         }
     }
 
@@ -376,6 +434,7 @@ impl Desk {
                 self.stream = Some(Stream::new(decimation, self.preset.clone()));
             }
             Command::Watch(seconds) => self.watch(seconds),
+            Command::Calibrate(step) => self.calibrate(step, now, ends, board),
             Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", 1.0 / self.device.period)),
             Command::Rate(Some(hz)) => self.rate(hz, now, ends),
             Command::SelfTest => match self.last.map(|t| t.outputs.mode) {

@@ -1,6 +1,7 @@
 //! The application: what runs in the control interrupt, what runs in the tasks, and the queues between them.
 
 mod answer;
+mod calibrate;
 mod control_loop;
 mod desk;
 mod listing;

@@ -1,13 +1,24 @@
-//! The self-test: half a second at rest, amplifier off.
+//! The self-test: half a second at rest with the amplifier off, then a push of the handle by a millimetre, and what
+//! encoder, accelerometer and load cell said of it. Of several signals that should agree in sign the odd one is wrong.
 
 use super::Telemetry;
 use core::fmt;
-use haptics::{Device, ModeId};
+use haptics::{Channel, Device, ModeId};
 
-/// Control periods looked at.
+/// Control periods looked at while at rest.
 const PERIODS: u32 = 500;
 /// Counts the encoder may move at rest: one either way.
 const STILL: u32 = 2;
+/// Counts that are motion.
+const MOVED: u32 = 20;
+/// Time for the push, control periods: it ends by itself long before.
+const LONGEST: u32 = 40_000;
+/// Least acceleration per newton of the push that is one, 1/kg: ten times the noise.
+const ACCELERATES: f32 = 0.03;
+/// Least reading of the load cell per newton of the push: ten times the noise.
+const LOADS: f32 = 0.01;
+/// The same when the handle is held: it reads most of the push.
+const HELD: f32 = 0.3;
 
 /// Mean and spread of raw codes.
 #[derive(Debug, Clone, Copy, Default)]
@@ -27,6 +38,43 @@ impl Codes {
     fn mean(&self) -> f32 {
         self.sum as f32 / PERIODS as f32
     }
+
+    fn si(&self, channel: &Channel) -> f32 {
+        (self.mean() - channel.offset_code) * channel.unit_per_code
+    }
+
+    fn span(&self) -> u16 {
+        self.highest - self.lowest
+    }
+}
+
+/// What the push did: sums of the product of each signal with the force that acted.
+#[derive(Debug, Clone, Copy, Default)]
+struct Push {
+    seen: u32,
+    /// Forces of the last two periods: what a sample feels was commanded in the period before.
+    forces: [f32; 2],
+    velocity: f32,
+    start: u32,
+    travel: u32,
+    /// N², and with it: of the encoder's and the accelerometer's acceleration, of the load.
+    force: f32,
+    encoder: f32,
+    accel: f32,
+    load: f32,
+    largest: f32,
+    fault: bool,
+}
+
+/// Where the test is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// More periods are needed.
+    More,
+    /// Rest is judged and nothing speaks against a push: it is to be asked for.
+    Push,
+    /// [`SelfTest::checks`] can say it all.
+    Done,
 }
 
 /// A self-test that runs.
@@ -37,12 +85,12 @@ pub(super) struct SelfTest {
     last_ticks: u32,
     /// Longest distance of two samples from the period, ticks; not across periods the tasks did not see.
     unevenness: u32,
-    lost: u32,
     last_step: u32,
     travel: u32,
     load: Codes,
     accel: Codes,
     force_on: u32,
+    push: Option<Push>,
 }
 
 /// What was found.
@@ -56,10 +104,42 @@ pub(super) struct Check {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Finding {
     Loop { unevenness_us: f32 },
-    Encoder { counts: u32 },
-    LoadCell { newton: f32, span: u16 },
-    Accelerometer { metre_per_second_squared: f32, span: u16 },
-    Amplifier { periods_on: u32 },
+    Encoder { counts: u32, sign: Sign },
+    LoadCell { newton: f32, span: u16, sign: Sign },
+    Accelerometer { metre_per_second_squared: f32, span: u16, sign: Sign },
+    Amplifier { periods_on: u32, push: Pushed },
+}
+
+/// What a signal said of the push.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sign {
+    /// There was no push it could be judged by.
+    NotJudged,
+    /// The way of the push.
+    Right,
+    /// Against all others.
+    Wrong,
+    /// Nothing.
+    Silent,
+}
+
+/// What the push did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Pushed {
+    /// Not tried: something is wrong at rest.
+    NotTried,
+    /// So far with so much force.
+    Moved { millimetre: f32, newton: f32 },
+    /// The wrong way.
+    Backwards,
+    /// The load cell felt it and nothing moved.
+    Held { newton: f32 },
+    /// Nothing felt it.
+    Nothing { newton: f32 },
+    /// The accelerometer felt it, the encoder did not.
+    Unseen { newton: f32 },
+    /// A fault ended it.
+    Fault,
 }
 
 impl fmt::Display for Check {
@@ -70,49 +150,97 @@ impl fmt::Display for Check {
                 write!(f, "loop: samples within {unevenness_us:.2} us of the period")?;
                 "; something keeps the processor from its step"
             }
-            Finding::Encoder { counts } => {
+            Finding::Encoder { counts, sign } => {
                 write!(f, "encoder: moved {counts} counts at rest")?;
-                "; hands off and repeat, else check shield and supply of the encoder"
+                sign.write("counts", f)?;
+                match sign {
+                    Sign::Wrong => "; exchange its channels A and B",
+                    Sign::Silent => "; check its cable and supply",
+                    _ => "; hands off and repeat, else check shield and supply of the encoder",
+                }
             }
-            Finding::LoadCell { newton, span } => {
+            Finding::LoadCell { newton, span, sign } => {
                 write!(f, "load cell: {newton:.3} N at rest, noise over {span} codes")?;
-                if span == 0 {
-                    "; no noise at all: is it connected?"
-                } else {
-                    "; hands off, then tare or check its cable"
+                sign.write("reads", f)?;
+                match sign {
+                    Sign::Wrong => "; exchange its two signal wires",
+                    _ if span == 0 => "; no noise at all: is it connected?",
+                    _ => "; hands off, then `calibrate` or check its cable",
                 }
             }
-            Finding::Accelerometer { metre_per_second_squared, span } => {
-                write!(
-                    f,
-                    "accelerometer: {metre_per_second_squared:.2} m/s2 at rest, noise over {span} codes"
-                )?;
-                if span == 0 {
-                    "; no noise at all: is it connected?"
-                } else {
-                    "; more than gravity: check its cable"
+            Finding::Accelerometer { metre_per_second_squared, span, sign } => {
+                let a = metre_per_second_squared;
+                write!(f, "accelerometer: {a:.2} m/s2 at rest, noise over {span} codes")?;
+                sign.write("reads", f)?;
+                match sign {
+                    _ if span == 0 => "; no noise at all: is it connected?",
+                    Sign::Wrong => "; turn it round",
+                    Sign::Silent => "; check its cable and that it is fixed to the handle",
+                    _ => "; more than gravity, or 30 % off the encoder: check its cable, `calibrate`",
                 }
             }
-            Finding::Amplifier { periods_on } => {
-                write!(f, "amplifier: off, force zero ({periods_on} periods on)")?;
-                "; something drives the handle: stop it first"
-            }
+            Finding::Amplifier { periods_on, push } => match push {
+                Pushed::NotTried => {
+                    write!(f, "amplifier: no push tried ({periods_on} periods on at rest)")?;
+                    "; put right what else failed, hands off, and repeat"
+                }
+                Pushed::Moved { millimetre, newton } => {
+                    write!(f, "amplifier: {newton:.2} N moved the handle by {millimetre:.2} mm, off again")?;
+                    "; more acceleration than that force can give: check its gain"
+                }
+                Pushed::Backwards => "amplifier: pushes the wrong way; exchange the motor's wires",
+                Pushed::Held { newton } => {
+                    write!(f, "amplifier: {newton:.2} N felt by the load cell, nothing moved")?;
+                    "; handle held or blocked: let go, and repeat"
+                }
+                Pushed::Nothing { newton } => {
+                    write!(f, "amplifier: up to {newton:.2} N and nothing felt it")?;
+                    "; check enable, supply and motor wires, or the handle is blocked: let go"
+                }
+                Pushed::Unseen { newton } => {
+                    write!(f, "amplifier: the accelerometer felt {newton:.2} N, off again")?;
+                    ""
+                }
+                Pushed::Fault => "amplifier: the push was ended by a fault; see `fault`",
+            },
         };
-        if self.passed { Ok(()) } else { f.write_str(advice) }
+        let unsaid =
+            matches!(self.finding, Finding::Amplifier { push: Pushed::Backwards | Pushed::Fault, .. });
+        if self.passed && !unsaid { Ok(()) } else { f.write_str(advice) }
+    }
+}
+
+impl Sign {
+    fn of(sum: f32, least: f32, right: f32) -> Self {
+        if !(sum.abs() >= least) {
+            Self::Silent
+        } else if sum * right > 0.0 {
+            Self::Right
+        } else {
+            Self::Wrong
+        }
+    }
+
+    fn write(self, verb: &str, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotJudged => Ok(()),
+            Self::Right => write!(f, ", {verb} with the push"),
+            Self::Wrong => write!(f, ", {verb} against the push"),
+            Self::Silent => write!(f, ", {verb} nothing of the push"),
+        }
     }
 }
 
 impl SelfTest {
-    /// One control period; true when enough were seen.
-    pub fn take(&mut self, t: &Telemetry, device: &Device) -> bool {
+    /// One control period.
+    pub fn take(&mut self, t: &Telemetry, device: &Device) -> Progress {
+        if let Some(push) = &mut self.push {
+            return push.take(t, device, &self.load, &self.accel);
+        }
         let first = *self.first.get_or_insert(*t);
-        if self.seen > 0 {
-            if t.step.wrapping_sub(self.last_step) == 1 {
-                let elapsed = t.inputs.sample_ticks.wrapping_sub(self.last_ticks);
-                self.unevenness = self.unevenness.max(elapsed.abs_diff(device.period_ticks()));
-            } else {
-                self.lost += 1;
-            }
+        if self.seen > 0 && t.step.wrapping_sub(self.last_step) == 1 {
+            let elapsed = t.inputs.sample_ticks.wrapping_sub(self.last_ticks);
+            self.unevenness = self.unevenness.max(elapsed.abs_diff(device.period_ticks()));
         }
         self.last_step = t.step;
         self.last_ticks = t.inputs.sample_ticks;
@@ -122,29 +250,124 @@ impl SelfTest {
         self.accel.add(t.inputs.accel_code, self.seen == 0);
         self.force_on += u32::from(t.outputs.amplifier || t.outputs.mode == ModeId::Rendering);
         self.seen += 1;
-        self.seen >= PERIODS
+        if self.seen < PERIODS {
+            return Progress::More;
+        }
+        let rests = self.travel <= STILL
+            && self.force_on == 0
+            && self.load.si(&device.load).abs() <= device.rest_force;
+        if rests {
+            self.push = Some(Push { start: t.inputs.count, ..Push::default() });
+            Progress::Push
+        } else {
+            Progress::Done
+        }
     }
 
     /// The verdicts, when [`Self::take`] has said that enough was seen.
     pub fn checks(&self, device: &Device) -> [Check; 5] {
         let unevenness_us = self.unevenness as f32 / device.tick_hz as f32 * 1e6;
-        let load = (self.load.mean() - device.load.offset_code) * device.load.unit_per_code;
-        let accel = (self.accel.mean() - device.accel.offset_code) * device.accel.unit_per_code;
-        let span = |codes: &Codes| codes.highest - codes.lowest;
-        let (load_span, accel_span) = (span(&self.load), span(&self.accel));
+        let (newton, a) = (self.load.si(&device.load), self.accel.si(&device.accel));
+        let (load_span, accel_span) = (self.load.span(), self.accel.span());
         let check = |passed, finding| Check { passed, finding };
+        let push = self.push.unwrap_or_default();
+        let [encoder, accel, load] = push.signs();
+        let pushed = if self.push.is_some() { push.judge(device) } else { Pushed::NotTried };
+        let agrees = |sign| matches!(sign, Sign::NotJudged | Sign::Right);
+        // the same motion seen twice
+        let same = encoder == Sign::NotJudged
+            || accel != Sign::Right
+            || (0.7..1.3).contains(&(push.accel.abs() / push.encoder.abs().max(1e-9)));
+        let light = push.force < 0.4 * device.mass * push.encoder.abs();
         [
             check(unevenness_us < 5.0, Finding::Loop { unevenness_us }),
-            check(self.travel <= STILL, Finding::Encoder { counts: self.travel }),
             check(
-                load.abs() <= device.rest_force && load_span > 0,
-                Finding::LoadCell { newton: load, span: load_span },
+                self.travel <= STILL && agrees(encoder),
+                Finding::Encoder { counts: self.travel, sign: encoder },
             ),
             check(
-                accel.abs() <= 15.0 && accel_span > 0,
-                Finding::Accelerometer { metre_per_second_squared: accel, span: accel_span },
+                // nothing hangs on it, or too little to be felt: then there is no sign to judge
+                newton.abs() <= device.rest_force && load_span > 0 && load != Sign::Wrong,
+                Finding::LoadCell { newton, span: load_span, sign: load },
             ),
-            check(self.force_on == 0, Finding::Amplifier { periods_on: self.force_on }),
+            check(
+                a.abs() <= 15.0 && accel_span > 0 && agrees(accel) && same,
+                Finding::Accelerometer { metre_per_second_squared: a, span: accel_span, sign: accel },
+            ),
+            check(
+                self.force_on == 0
+                    && matches!(pushed, Pushed::Moved { .. } | Pushed::Unseen { .. })
+                    && !light,
+                Finding::Amplifier { periods_on: self.force_on, push: pushed },
+            ),
         ]
+    }
+}
+
+impl Push {
+    fn take(&mut self, t: &Telemetry, device: &Device, load: &Codes, accel: &Codes) -> Progress {
+        self.seen += 1;
+        let force = self.forces[1];
+        self.forces = [t.outputs.force, self.forces[0]];
+        let unit = |code: u16, rest: &Codes, channel: &Channel| {
+            (f32::from(code) - rest.mean()) * channel.unit_per_code
+        };
+        self.force += force * force;
+        self.encoder += force * (t.outputs.velocity - self.velocity) / device.period;
+        self.accel += force * unit(t.inputs.accel_code, accel, &device.accel);
+        self.load += force * unit(t.inputs.load_code, load, &device.load);
+        self.velocity = t.outputs.velocity;
+        self.largest = self.largest.max(force.abs());
+        self.travel = self.travel.max((t.inputs.count.wrapping_sub(self.start) as i32).unsigned_abs());
+        self.fault = t.outputs.mode == ModeId::Fault;
+        let over = self.largest > 0.0 && t.outputs.mode == ModeId::Idle;
+        if over || self.fault || self.seen > LONGEST { Progress::Done } else { Progress::More }
+    }
+
+    /// The encoder says that it moved.
+    fn moved(&self) -> bool {
+        !self.fault && self.travel >= MOVED
+    }
+
+    /// It moved and the encoder did not say so; the loop may have found that out before.
+    fn unseen(&self) -> bool {
+        self.travel <= STILL && self.accel.abs() > ACCELERATES * self.force && self.force > 0.0
+    }
+
+    /// Which way it went, by the majority of what felt it.
+    fn way(&self) -> f32 {
+        let vote = |sum: f32, least: f32| if sum.abs() < least * self.force { 0.0 } else { sum.signum() };
+        let votes = vote(self.encoder, ACCELERATES) + vote(self.accel, ACCELERATES) + vote(self.load, LOADS);
+        if votes < 0.0 { -1.0 } else { 1.0 }
+    }
+
+    /// Encoder, accelerometer, load cell.
+    fn signs(&self) -> [Sign; 3] {
+        if self.unseen() {
+            return [Sign::Silent, Sign::NotJudged, Sign::NotJudged];
+        }
+        if !self.moved() {
+            return [Sign::NotJudged; 3];
+        }
+        let way = self.way();
+        let of = |sum, least| Sign::of(sum, least * self.force, way);
+        [of(self.encoder, ACCELERATES), of(self.accel, ACCELERATES), of(self.load, LOADS)]
+    }
+
+    fn judge(&self, device: &Device) -> Pushed {
+        let newton = self.largest;
+        if self.unseen() {
+            Pushed::Unseen { newton }
+        } else if self.fault {
+            Pushed::Fault
+        } else if self.moved() && self.way() < 0.0 {
+            Pushed::Backwards
+        } else if self.moved() {
+            Pushed::Moved { millimetre: self.travel as f32 * device.metre_per_count * 1e3, newton }
+        } else if self.load.abs() > HELD * self.force {
+            Pushed::Held { newton }
+        } else {
+            Pushed::Nothing { newton }
+        }
     }
 }

@@ -13,6 +13,7 @@ mod plot;
 mod rate;
 mod rendering;
 mod safety;
+mod selftest;
 mod track;
 mod velocity;
 

@@ -95,5 +95,7 @@ kinds! {
         BadExcitation = 5, "bad_excitation", "the device cannot follow this excitation";
         /// A sensor is at its rail.
         SensorRail = 6, "sensor_rail", "load cell or accelerometer is at the end of its scale";
+        /// Too near the end of the stroke for what was asked.
+        NoRoom = 7, "no_room", "the handle is within 5 mm of the end of its stroke: move it to the middle by hand";
     }
 }

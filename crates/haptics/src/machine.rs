@@ -17,10 +17,10 @@
 //! Force is on in RENDERING and EXCITING only. The step that finds a fault already gives force 0 with the amplifier
 //! off. The first fault is kept with the moment and the motion it was found at; later ones do not overwrite it.
 
-use crate::FaultKind;
 use crate::excitation::{Drive, Excitation};
 use crate::renderer::Contact;
 use crate::streaming_identify::Procedure;
+use crate::{FaultKind, Probe};
 
 /// Something asked of the loop; handled between two steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +32,8 @@ pub enum Request {
     Excite(Excitation),
     /// The thesis's identification procedure: excite, warm up, accumulate the normal equations.
     Identify(Procedure),
+    /// The push of the self-test.
+    Probe,
     /// Ends whatever runs; an excitation ramps out first.
     Stop,
     /// Leaves the fault state, if the handle is at rest and let go of.
@@ -65,6 +67,8 @@ pub enum Mode {
         /// Sums are accumulated.
         identifying: bool,
     },
+    /// The handle is pushed for the self-test.
+    Probing(Probe),
     /// Force withdrawn until cleared.
     Fault(Fault),
 }
@@ -140,6 +144,7 @@ impl Mode {
             Self::Rendering { .. } => ModeId::Rendering,
             Self::Exciting { identifying: false, .. } => ModeId::Exciting,
             Self::Exciting { .. } => ModeId::Identifying,
+            Self::Probing(_) => ModeId::Exciting,
             Self::Fault(_) => ModeId::Fault,
         }
     }

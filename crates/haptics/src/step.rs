@@ -10,7 +10,7 @@ use crate::renderer::{Contact, Handle, Rendered};
 use crate::safety::{self, Guard};
 use crate::silence::Bounds;
 use crate::streaming_identify::{Procedure, Recorder};
-use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs};
+use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs, Probe};
 
 /// Everything the loop remembers from step to step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +126,7 @@ impl State {
     ) -> Result<(), Denied> {
         let device = &config.device;
         let faulty = matches!(self.mode, Mode::Fault(_));
-        let running = matches!(self.mode, Mode::Exciting { .. });
+        let running = matches!(self.mode, Mode::Exciting { .. } | Mode::Probing(_));
         match request {
             Request::Raise(kind) => {
                 self.latch(*kind, inputs.sample_ticks, handle);
@@ -141,7 +141,7 @@ impl State {
             Request::Stop => {
                 match &mut self.mode {
                     Mode::Idle | Mode::Fault(_) => {}
-                    Mode::Rendering { .. } => self.mode = Mode::Idle,
+                    Mode::Rendering { .. } | Mode::Probing(_) => self.mode = Mode::Idle,
                     Mode::Exciting { drive, identifying } => {
                         drive.stop();
                         *identifying = false;
@@ -159,6 +159,13 @@ impl State {
             _ if running => Err(Denied::Busy),
             _ if safety::at_rail(device, inputs) => Err(Denied::SensorRail),
             _ if !(handle.position.abs() <= 0.5 * device.stroke) => Err(Denied::OutsideStroke),
+            Request::Probe => {
+                if !(handle.position.abs() <= 0.5 * device.stroke - Probe::ROOM) {
+                    return Err(Denied::NoRoom);
+                }
+                self.mode = Mode::Probing(Probe::start(inputs.count));
+                Ok(())
+            }
             Request::Render(true) => {
                 if !matches!(self.mode, Mode::Rendering { .. }) {
                     let contact = Contact::new(config, &handle.after(device.period));
@@ -237,7 +244,7 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         denied,
         ..Outputs::default()
     };
-    let driven = matches!(state.mode, Mode::Exciting { .. });
+    let driven = matches!(state.mode, Mode::Exciting { .. } | Mode::Probing(_));
     let command = run_mode(config, state, inputs, &handle, &mut outputs);
 
     let motion = safety::Motion {
@@ -282,7 +289,6 @@ fn run_mode(
     outputs: &mut Outputs,
 ) -> Option<f32> {
     match &mut state.mode {
-        Mode::Idle | Mode::Fault(_) => None,
         Mode::Rendering { .. } | Mode::Exciting { .. } if core::mem::take(&mut state.fresh) => {
             Some(state.force)
         }
@@ -291,6 +297,13 @@ fn run_mode(
                 state.recorder.start(config, &procedure);
             }
             Some(state.force)
+        }
+        Mode::Probing(probe) => {
+            let command = probe.step(&config.device, inputs.count);
+            if command.is_none() {
+                state.mode = Mode::Idle;
+            }
+            command
         }
         Mode::Rendering { contact, .. } => {
             let rendered = contact.step(config, handle);
@@ -318,6 +331,8 @@ fn run_mode(
             }
             command
         }
+        // a wildcard: spelled out, the compiler adds a trap for a mode that cannot be
+        _ => None,
     }
 }
 

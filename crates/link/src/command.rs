@@ -39,10 +39,54 @@ pub enum Command<'a> {
     Identify,
     /// `selftest`
     SelfTest,
+    /// `calibrate …`
+    Calibrate(Calibrate),
     /// `watch [SECONDS]`: how long the host may be silent while it drives the handle; 0: for ever.
     Watch(Option<f32>),
     /// `rate [HZ]`: control periods in a second.
     Rate(Option<u32>),
+}
+
+/// A sensor that can be calibrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sensor {
+    /// Load cell, N.
+    Load,
+    /// Accelerometer, m/s².
+    Accel,
+}
+
+impl Sensor {
+    /// As it is typed.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Load => "load",
+            Self::Accel => "accel",
+        }
+    }
+
+    /// Unit of its values.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Load => "N",
+            Self::Accel => "m/s2",
+        }
+    }
+}
+
+/// `calibrate …`
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Calibrate {
+    /// `calibrate load|accel VALUE`: what the sensor should read now.
+    Point(Sensor, f32),
+    /// `calibrate save`
+    Save,
+    /// `calibrate discard`
+    Discard,
+    /// `calibrate status`
+    Status,
 }
 
 /// `preset …`
@@ -149,6 +193,7 @@ impl<'a> Command<'a> {
             "render" => Self::Render(on_off(words.next()?)?),
             "move" => Self::Move(motion(&mut words)?),
             "stream" => Self::Stream(stream(&mut words)?),
+            "calibrate" => Self::Calibrate(calibrate(&mut words)?),
             "watch" => Self::Watch(watch(&mut words)?),
             "rate" => Self::Rate(rate(&mut words)?),
             _ => return Err(BadCommand::Unknown(word)),
@@ -205,6 +250,19 @@ fn stream<'a>(words: &mut Words<'a>) -> Result<u32, BadCommand<'a>> {
     number.ok_or(BadCommand::NotANumber("DECIMATION", text, DECIMATION))
 }
 
+fn calibrate<'a>(words: &mut Words<'a>) -> Result<Calibrate, BadCommand<'a>> {
+    let sensor = match words.next()? {
+        "load" => Sensor::Load,
+        "accel" => Sensor::Accel,
+        "save" => return Ok(Calibrate::Save),
+        "discard" => return Ok(Calibrate::Discard),
+        "status" => return Ok(Calibrate::Status),
+        word => return Err(BadCommand::NotOneOf(word, "load, accel, save, discard, status")),
+    };
+    let value = finite("VALUE", words.next()?, "a finite number of N or m/s2")?;
+    Ok(Calibrate::Point(sensor, value))
+}
+
 const WATCH: &str = "a number of seconds from 1 to 3600, or 0 for no watch";
 
 fn watch<'a>(words: &mut Words<'a>) -> Result<Option<f32>, BadCommand<'a>> {
@@ -258,6 +316,8 @@ mod tests {
             ("stream off", Command::Stream(0)),
             ("identify", Command::Identify),
             ("selftest", Command::SelfTest),
+            ("calibrate load 4.905", Command::Calibrate(Calibrate::Point(Sensor::Load, 4.905))),
+            ("calibrate save", Command::Calibrate(Calibrate::Save)),
             ("watch", Command::Watch(None)),
             ("watch 0", Command::Watch(Some(0.0))),
             ("watch 2.5", Command::Watch(Some(2.5))),

@@ -39,7 +39,11 @@ pub const HELP: &[HelpLine] = &[
     line("status", "state, preset, handle, force, losses"),
     line("fault", "the latched fault and what to do"),
     line("clear", "leaves the fault state; handle at rest, hands off"),
-    line("selftest", "sensors, loop and amplifier, at rest"),
+    line("selftest", "sensors, loop and amplifier; pushes the handle by a millimetre: hands off"),
+    line(
+        "calibrate load|accel VALUE | save|discard|status",
+        "what the sensor should read now, N or m/s2; two values or more, then save",
+    ),
     line("rate [HZ]", "control periods in a second; 1000 after a start"),
     line("version", "what runs here"),
 ];

@@ -22,7 +22,7 @@ mod line;
 mod preset;
 pub mod reply;
 
-pub use command::{BadCommand, Command, PresetCommand};
+pub use command::{BadCommand, Calibrate, Command, PresetCommand, Sensor};
 pub use decoder::{Corrupt, Decoder, Item};
 pub use frame::{Channel, Frame, Header, MAX_WIRE, Sample, decode_payload, encode};
 pub use help::{HELP, HelpLine};

@@ -1,0 +1,292 @@
+//! Calibration of an analogue channel with known values: weights hung on the load cell, gravity on the accelerometer.
+//!
+//! Each `calibrate load|accel VALUE` averages half a second at rest into a point. `calibrate save` puts a line through
+//! the points, code = offset + VALUE / gain, by least squares, and refuses one that no sensor of this device can have.
+
+use super::Telemetry;
+use super::answer::{Line, err};
+use core::fmt::{self, Write};
+use haptics::{Channel, Device};
+use heapless::Vec;
+use link::Sensor;
+
+/// Control periods in a point.
+const PERIODS: u32 = 500;
+/// Most points of a channel.
+const POINTS: usize = 8;
+/// Counts the handle may move.
+const STILL: u32 = 2;
+/// Spread of the codes that is no rest: 3 % of the scale.
+const NOISY: u16 = 2_000;
+/// Codes that two points must be apart: a hundredth of the scale would do, this is ten times the noise of a mean.
+const APART: f32 = 100.0;
+/// How far a gain may be from the data sheet's, share.
+const GAIN: f32 = 0.2;
+/// How far the code of zero may be from the data sheet's.
+const OFFSET: f32 = 8_000.0;
+/// How far a point may be off the line, share of what the points span.
+const STRAIGHT: f32 = 0.01;
+
+/// A value and the mean code at it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Point {
+    value: f32,
+    code: f32,
+}
+
+/// The average that is being taken.
+#[derive(Debug, Clone, Copy)]
+struct Average {
+    sensor: Sensor,
+    value: f32,
+    seen: u32,
+    sum: u32,
+    lowest: u16,
+    highest: u16,
+    start: u32,
+    travel: u32,
+}
+
+/// Points taken and not yet used.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Calibration {
+    load: Vec<Point, POINTS>,
+    accel: Vec<Point, POINTS>,
+    taking: Option<Average>,
+}
+
+/// A channel as the points give it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Fit {
+    channel: Channel,
+    points: usize,
+    /// Farthest of a point from the line, codes.
+    residual: f32,
+}
+
+/// Why points are no calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Unfit {
+    Few,
+    Backwards,
+    Gain { found: f32, nominal: f32 },
+    Offset { found: f32, nominal: f32 },
+    Crooked { value: f32, off: f32, most: f32 },
+}
+
+impl fmt::Display for Unfit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Few => {
+                f.write_str("two points with different values are needed, e.g. nothing and a weight")
+            }
+            Self::Backwards => f.write_str(
+                "the code falls while the value grows: exchange the signal wires, or the sign of the values",
+            ),
+            Self::Gain { found, nominal } => {
+                let (low, high) = ((1.0 - GAIN) * nominal, (1.0 + GAIN) * nominal);
+                write!(
+                    f,
+                    "gain {found:.7} a code: accepted from {low:.7} to {high:.7}; are the values right?"
+                )
+            }
+            Self::Offset { found, nominal } => {
+                let (low, high) = (nominal - OFFSET, nominal + OFFSET);
+                write!(
+                    f,
+                    "zero at code {found:.0}: accepted from {low:.0} to {high:.0}; is something left on it?"
+                )
+            }
+            Self::Crooked { value, off, most } => {
+                write!(
+                    f,
+                    "the point at {value} is {off:.0} codes off the line: accepted up to {most:.0}; `calibrate discard`, take them again"
+                )
+            }
+        }
+    }
+}
+
+/// The line through some points. One point with a gain that is believed gives the offset.
+fn fit(points: &[Point], nominal: &Channel, one_will_do: bool) -> Result<Fit, Unfit> {
+    let count = points.len() as f32;
+    let mean = |of: fn(&Point) -> f32| points.iter().map(of).sum::<f32>() / count;
+    let (value, code) = (mean(|p| p.value), mean(|p| p.code));
+    let spread: f32 = points.iter().map(|p| (p.value - value) * (p.value - value)).sum();
+    let slope = if points.len() >= 2 {
+        points.iter().map(|p| (p.value - value) * (p.code - code)).sum::<f32>() / spread
+    } else if one_will_do && points.len() == 1 {
+        1.0 / nominal.unit_per_code
+    } else {
+        return Err(Unfit::Few);
+    };
+    if !(slope > 0.0) {
+        return Err(Unfit::Backwards);
+    }
+    let channel = Channel { offset_code: code - slope * value, unit_per_code: 1.0 / slope };
+    if !((channel.unit_per_code / nominal.unit_per_code - 1.0).abs() <= GAIN) {
+        return Err(Unfit::Gain { found: channel.unit_per_code, nominal: nominal.unit_per_code });
+    }
+    if !((channel.offset_code - nominal.offset_code).abs() <= OFFSET) {
+        return Err(Unfit::Offset { found: channel.offset_code, nominal: nominal.offset_code });
+    }
+    let off = |p: &Point| (p.code - channel.offset_code - slope * p.value).abs();
+    let span = points.iter().map(|p| p.code).fold(f32::MIN, f32::max)
+        - points.iter().map(|p| p.code).fold(f32::MAX, f32::min);
+    let (mut residual, mut worst) = (0.0, value);
+    for point in points {
+        if off(point) > residual {
+            (residual, worst) = (off(point), point.value);
+        }
+    }
+    let most = STRAIGHT * span;
+    if residual > most && points.len() > 1 {
+        return Err(Unfit::Crooked { value: worst, off: residual, most });
+    }
+    Ok(Fit { channel, points: points.len(), residual })
+}
+
+impl Calibration {
+    /// A point is being taken.
+    pub fn is_taking(&self) -> bool {
+        self.taking.is_some()
+    }
+
+    /// Begins a point.
+    pub fn begin(&mut self, sensor: Sensor, value: f32) {
+        self.taking = Some(Average {
+            sensor,
+            value,
+            seen: 0,
+            sum: 0,
+            lowest: u16::MAX,
+            highest: 0,
+            start: 0,
+            travel: 0,
+        });
+    }
+
+    /// Forgets all points.
+    pub fn discard(&mut self) {
+        (self.load.clear(), self.accel.clear());
+    }
+
+    /// One control period; the answer when a point is complete.
+    pub fn take(&mut self, t: &Telemetry, device: &Device) -> Option<Line> {
+        let average = self.taking.as_mut()?;
+        let code = match average.sensor {
+            Sensor::Load => t.inputs.load_code,
+            Sensor::Accel => t.inputs.accel_code,
+        };
+        if average.seen == 0 {
+            average.start = t.inputs.count;
+        }
+        average.seen += 1;
+        average.sum += u32::from(code);
+        (average.lowest, average.highest) = (average.lowest.min(code), average.highest.max(code));
+        average.travel =
+            average.travel.max((t.inputs.count.wrapping_sub(average.start) as i32).unsigned_abs());
+        if average.seen < PERIODS {
+            return None;
+        }
+        let average = *average;
+        self.taking = None;
+        let mut line = Line::new();
+        if let Err(code) = self.add(&average, device, &mut line) {
+            let why = line.clone();
+            line.clear();
+            err(code, why, &mut line);
+        }
+        Some(line)
+    }
+
+    fn add(&mut self, average: &Average, device: &Device, out: &mut Line) -> Result<(), &'static str> {
+        let (value, span) = (average.value, average.highest.saturating_sub(average.lowest));
+        let code = average.sum as f32 / PERIODS as f32;
+        let points = match average.sensor {
+            Sensor::Load => &mut self.load,
+            Sensor::Accel => &mut self.accel,
+        };
+        let top = 65_520_u16.saturating_sub(device.rail_codes);
+        // what does not fit is cut
+        let (refusal, _) = if average.travel > STILL {
+            (
+                "NOT_AT_REST",
+                write!(out, "the handle moved {} counts: accepted are {STILL}; lock it", average.travel),
+            )
+        } else if average.lowest < device.rail_codes || average.highest > top {
+            (
+                "SENSOR_RAIL",
+                write!(
+                    out,
+                    "codes {} to {}: accepted from {} to {top}; too heavy, or its cable",
+                    average.lowest, average.highest, device.rail_codes
+                ),
+            )
+        } else if span > NOISY {
+            (
+                "NOISY",
+                write!(out, "codes spread over {span}: accepted up to {NOISY}; wait until it hangs still"),
+            )
+        } else if span == 0 {
+            ("DEAD", write!(out, "code {code:.0} without any noise: is it connected?"))
+        } else if let Some(same) = points.iter().find(|p| (p.code - code).abs() < APART && p.value != value) {
+            (
+                "EQUAL",
+                write!(
+                    out,
+                    "code {code:.0} as at {}: accepted is one {APART} codes away; did the load change?",
+                    same.value
+                ),
+            )
+        } else {
+            // the same value again replaces it
+            points.retain(|p| p.value != value);
+            let (name, unit) = (average.sensor.id(), average.sensor.unit());
+            if points.push(Point { value, code }).is_err() {
+                let _ = write!(out, "{POINTS} points are taken: `calibrate save` or `calibrate discard`");
+                return Err("FULL");
+            }
+            let _ = write!(
+                out,
+                "ok calibrate {name} {value} {unit}: code {code:.1}, noise over {span} codes, {} points",
+                points.len()
+            );
+            return Ok(());
+        };
+        Err(refusal)
+    }
+
+    /// The device with what the points say, and what is to be told of it.
+    pub fn fit(
+        &self,
+        device: &Device,
+        nominal: &Device,
+    ) -> Result<(Device, [Option<Fit>; 2]), (Sensor, Unfit)> {
+        let mut calibrated = *device;
+        let mut fits = [None; 2];
+        if !self.load.is_empty() {
+            let found = fit(&self.load, &nominal.load, false).map_err(|unfit| (Sensor::Load, unfit))?;
+            (calibrated.load, fits[0]) = (found.channel, Some(found));
+        }
+        if !self.accel.is_empty() {
+            let found = fit(&self.accel, &nominal.accel, true).map_err(|unfit| (Sensor::Accel, unfit))?;
+            (calibrated.accel, fits[1]) = (found.channel, Some(found));
+        }
+        if self.load.is_empty() && self.accel.is_empty() {
+            Err((Sensor::Load, Unfit::Few))
+        } else {
+            Ok((calibrated, fits))
+        }
+    }
+}
+
+/// `; load: 0.0013574 N a code, zero at 32768.0, 2 points within 0.0 codes`
+pub(super) fn describe(sensor: Sensor, channel: &Channel, fit: Option<&Fit>, out: &mut Line) -> fmt::Result {
+    let (name, unit) = (sensor.id(), sensor.unit());
+    write!(out, "; {name}: {:.7} {unit} a code, zero at {:.1}", channel.unit_per_code, channel.offset_code)?;
+    match fit {
+        Some(fit) => write!(out, ", {} points within {:.1} codes", fit.points, fit.residual),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,227 @@
+//! `selftest` finds what is wrong and nothing else; `calibrate` finds gain and zero, or says why not.
+#![cfg(not(target_os = "none"))]
+
+use link::{Decoder, Item, reply};
+use plant::{RigConfig, Sensor, materials};
+use tribos_firmware::board::simulated::Holder;
+use tribos_firmware::{VirtualConfig, VirtualDevice};
+
+struct Bench {
+    device: VirtualDevice,
+    decoder: Decoder,
+}
+
+impl Bench {
+    fn new(rig: RigConfig, seed: u64) -> Self {
+        let device = VirtualDevice::new(&VirtualConfig { seed, rig }).expect("a rig");
+        let mut bench = Self { device, decoder: Decoder::new() };
+        bench.run(200);
+        bench
+    }
+
+    fn run(&mut self, periods: u32) -> Vec<String> {
+        let (mut bytes, mut lines) = (Vec::new(), Vec::new());
+        for _ in 0..periods {
+            self.device.tick();
+        }
+        self.device.read(&mut bytes);
+        for byte in bytes {
+            if let Some(Item::Text(line)) = self.decoder.push(byte) {
+                lines.push(line.to_owned());
+            }
+        }
+        lines
+    }
+
+    /// The answer and the lines that belong to it.
+    fn ask(&mut self, command: &str) -> Vec<String> {
+        self.device.write(format!("{command}\n").as_bytes());
+        let mut lines = Vec::new();
+        for _ in 0..4_000 {
+            lines.extend(self.run(1));
+            let Some(at) = lines.iter().position(|line| reply::is_answer(line)) else { continue };
+            let end = at + 1 + reply::lines_to_follow(&lines[at]);
+            if lines.len() >= end {
+                return lines[at..end].to_vec();
+            }
+        }
+        panic!("`{command}` was not answered: {lines:?}");
+    }
+
+    fn say(&mut self, command: &str) -> String {
+        self.ask(command).swap_remove(0)
+    }
+}
+
+/// The checks that failed, by their names.
+fn failed(lines: &[String]) -> Vec<&str> {
+    let fails = lines.iter().filter_map(|line| line.trim().strip_prefix("FAIL  "));
+    fails.map(|rest| rest.split(':').next().unwrap_or(rest)).collect()
+}
+
+#[test]
+fn each_mistake_of_wiring_fails_its_own_check_and_no_other() {
+    for block in ["none", "brass", "teflon", "rubber"] {
+        for (wire, expected, advice) in [
+            ("amplifier right", vec![], ""),
+            ("encoder swapped", vec!["encoder"], "exchange its channels A and B"),
+            ("load swapped", vec!["load cell"], "exchange its two signal wires"),
+            ("load dead", vec!["load cell"], "is it connected?"),
+            ("accel swapped", vec!["accelerometer"], "turn it round"),
+            ("accel dead", vec!["accelerometer"], "is it connected?"),
+            ("amplifier dead", vec!["amplifier"], "check enable, supply and motor wires"),
+            ("amplifier swapped", vec!["amplifier"], "exchange the motor's wires"),
+        ] {
+            let rig =
+                RigConfig { device_friction_p: 1.04, device_friction_n: 0.69, ..RigConfig::free_handle() };
+            let mut bench = Bench::new(rig, 7);
+            bench.say(&format!("sim block {block}"));
+            bench.say(&format!("sim wire {wire}"));
+            bench.run(100);
+            let lines = bench.ask("selftest");
+            if block == "rubber" {
+                println!("sim wire {wire}\n  {}", lines.join("\n  "));
+            }
+            assert_eq!(failed(&lines), expected, "{wire}, block {block}: {lines:#?}");
+            assert!(lines.iter().any(|line| line.contains(advice)), "{lines:?}");
+            let moved = bench.device.truth().position;
+            assert!(!bench.device.outputs().amplifier && moved.abs() < 4e-3, "{moved}");
+        }
+    }
+}
+
+#[test]
+fn a_dead_encoder_ends_the_push_by_its_fault() {
+    let mut bench = Bench::new(RigConfig::free_handle(), 3);
+    bench.say("sim wire encoder dead");
+    let lines = bench.ask("selftest");
+    println!("{}", lines.join("\n"));
+    assert_eq!(failed(&lines), ["encoder"]);
+    assert!(lines[2].ends_with("counts nothing of the push; check its cable and supply"), "{lines:?}");
+    assert!(bench.say("fault").starts_with("ok encoder_silent"));
+    assert!(!bench.device.outputs().amplifier);
+}
+
+#[test]
+fn a_handle_that_is_held_or_near_its_end_is_left_alone() {
+    let mut bench = Bench::new(RigConfig::free_handle(), 3);
+    bench.device.hold(Holder::Hand(plant::HandImpedance {
+        mass: 0.5,
+        stiffness: 5e5,
+        damping: 500.0,
+        target: plant::Target::Hold { position: 0.0 },
+    }));
+    let lines = bench.ask("selftest");
+    println!("{}", lines.join("\n"));
+    assert_eq!(failed(&lines), ["amplifier"]);
+    assert!(lines[5].contains("handle held or blocked: let go"), "{lines:?}");
+    assert!(!bench.device.outputs().amplifier && bench.device.outputs().fault.is_none());
+    let mut bench = Bench::new(RigConfig { start_position: 0.0140, ..RigConfig::free_handle() }, 3);
+    // the count begins at the start position: the device knows where it is
+    let answer = bench.say("selftest");
+    println!("{answer}");
+    assert!(answer.starts_with("err NO_ROOM: "), "{answer}");
+}
+
+#[test]
+fn a_rig_that_is_right_passes_with_every_seed() {
+    let mut passed = 0;
+    for seed in 0..20 {
+        for block in [None, Some(materials::BRASS), Some(materials::RUBBER)] {
+            let mut bench = Bench::new(RigConfig::free_handle(), seed);
+            if let Some(material) = block {
+                bench.device.set_block(material.mass, material.law, &[]).expect("printed parameters");
+            }
+            let lines = bench.ask("selftest");
+            assert!(lines[0].starts_with("ok selftest passed"), "{lines:#?}");
+            passed += 1;
+        }
+    }
+    println!("{passed} of 60 passed");
+}
+
+#[test]
+fn weights_find_gain_and_zero_of_the_load_cell_and_the_loop_uses_them_at_once() {
+    let free = RigConfig::free_handle();
+    let load = Sensor { gain: 1.08, offset: 0.9, ..free.load };
+    let accel = Sensor { gain: 0.94, offset: -3.0, ..free.accel };
+    let mut bench = Bench::new(RigConfig { load, accel, ..free }, 5);
+    for weight in ["0", "4.905", "9.81"] {
+        bench.say(&format!("sim hang {weight}"));
+        let answer = bench.say(&format!("calibrate load {weight}"));
+        println!("{answer}");
+        assert!(answer.starts_with("ok calibrate load "), "{answer}");
+    }
+    bench.say("sim hang 0");
+    for (tilt, value) in [("up", "9.80665"), ("down", "-9.80665")] {
+        bench.say(&format!("sim tilt {tilt}"));
+        println!("{}", bench.say(&format!("calibrate accel {value}")));
+    }
+    bench.say("sim tilt level");
+    let saved = bench.say("calibrate save");
+    println!("{saved}");
+    assert!(saved.starts_with("ok calibrate, until the device restarts; load: "), "{saved}");
+    let device = bench.device.device();
+    let gain = |after: &str| -> f64 {
+        let text = saved.split(after).nth(1).and_then(|rest| rest.split_whitespace().next());
+        text.and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
+    };
+    let load_error = gain("load: ") * 1.08 / f64::from(device.load.unit_per_code) - 1.0;
+    let accel_error = gain("accel: ") * 0.94 / f64::from(device.accel.unit_per_code) - 1.0;
+    println!("gain off by {:.3} % and {:.3} %", 100.0 * load_error, 100.0 * accel_error);
+    assert!(load_error.abs() < 0.003 && accel_error.abs() < 0.01);
+    bench.say("sim hang 5");
+    bench.run(50);
+    let status = bench.say("status");
+    let reads: f64 = status
+        .split("load ")
+        .nth(1)
+        .and_then(|rest| rest.split_whitespace().next())
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(f64::NAN);
+    println!("5 N hang on it: {reads} N");
+    assert!((reads - 5.0).abs() < 0.3);
+}
+
+#[test]
+fn points_that_are_no_calibration_are_refused_with_what_would_be_accepted() {
+    let mut bench = Bench::new(RigConfig::free_handle(), 5);
+    let refuse = |bench: &mut Bench, command: &str, expected: &str| {
+        let answer = bench.say(command);
+        println!("{command:<28} {answer}");
+        assert!(answer.starts_with(&format!("err {expected}")), "{command}: {answer}");
+    };
+    refuse(&mut bench, "calibrate", "SYNTAX: a word is missing");
+    refuse(&mut bench, "calibrate load", "SYNTAX: a word is missing");
+    refuse(&mut bench, "calibrate load NaN", "VALUE: VALUE = `NaN`");
+    refuse(&mut bench, "calibrate save", "CALIBRATION: load: two points with different values");
+    bench.say("calibrate load 0");
+    refuse(&mut bench, "calibrate load 5", "EQUAL: code 32");
+    // a weight of 5 N told to be 10
+    bench.say("sim hang 5");
+    bench.say("calibrate load 10");
+    refuse(&mut bench, "calibrate save", "CALIBRATION: load: gain 0.00271");
+    bench.say("calibrate discard");
+    bench.say("calibrate load -5");
+    bench.say("sim hang 0");
+    bench.say("calibrate load 0");
+    refuse(&mut bench, "calibrate save", "CALIBRATION: load: the code falls while the value grows");
+    bench.say("calibrate discard");
+    for (hung, told) in [("0", "0"), ("5", "5"), ("10", "11")] {
+        bench.say(&format!("sim hang {hung}"));
+        bench.say(&format!("calibrate load {told}"));
+    }
+    refuse(&mut bench, "calibrate save", "CALIBRATION: load: the point at 5 is ");
+    bench.say("calibrate discard");
+    bench.say("sim hang 0");
+    bench.device.hold(Holder::to_and_fro(0.005, 1.0));
+    refuse(&mut bench, "calibrate load 0", "NOT_AT_REST: the handle moved ");
+    bench.device.hold(Holder::Nobody);
+    bench.say("sim wire load dead");
+    bench.run(500);
+    refuse(&mut bench, "calibrate load 0", "DEAD: code 32768 without any noise");
+    bench.say("render on");
+    refuse(&mut bench, "calibrate load 0", "BUSY: ");
+    // nothing was taken over
+    assert!(bench.say("calibrate status").contains("load: 0.0013574 N a code, zero at 32768.0"));
+}
