@@ -1,7 +1,7 @@
 //! What is said when the control loop has obeyed a request, and how single answers are worded.
 
 use super::Telemetry;
-use super::calibrate::{Fit, describe};
+use super::calibrate::{Fits, describe};
 use core::fmt::{self, Write};
 use haptics::{Denied, Device, Excitation, FaultKind, Identified, Settings, Warning};
 use heapless::String;
@@ -19,7 +19,7 @@ pub(super) enum Pending {
     /// New settings; under the name of a preset, or a parameter was set.
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
     /// A calibration: the device with its channels, and what is said of them.
-    Calibrated(Device, [Option<Fit>; 2]),
+    Calibrated(Device, Fits),
     /// The push of the self-test: it says nothing itself.
     Push,
     /// Another control rate: the device with its period.

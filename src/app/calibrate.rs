@@ -64,6 +64,9 @@ pub(super) struct Fit {
     residual: f32,
 }
 
+/// Of load cell and accelerometer, where points were taken.
+pub(super) type Fits = [Option<Fit>; 2];
+
 /// Why points are no calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unfit {
@@ -168,7 +171,8 @@ impl Calibration {
 
     /// Forgets all points.
     pub fn discard(&mut self) {
-        (self.load.clear(), self.accel.clear());
+        self.load.clear();
+        self.accel.clear();
     }
 
     /// One control period; the answer when a point is complete.
@@ -258,11 +262,7 @@ impl Calibration {
     }
 
     /// The device with what the points say, and what is to be told of it.
-    pub fn fit(
-        &self,
-        device: &Device,
-        nominal: &Device,
-    ) -> Result<(Device, [Option<Fit>; 2]), (Sensor, Unfit)> {
+    pub fn fit(&self, device: &Device, nominal: &Device) -> Result<(Device, Fits), (Sensor, Unfit)> {
         let mut calibrated = *device;
         let mut fits = [None; 2];
         if !self.load.is_empty() {
