@@ -74,13 +74,11 @@ impl Guard {
         let half_stroke = 0.5 * device.stroke;
         // driven: stop 0.5 mm before the stops. Held by a hand: stops are reached in normal use, 1 mm beyond is not.
         let limit = if m.driven { half_stroke - 0.5e-3 } else { half_stroke + 1e-3 };
-        // twice what the largest acceleration moves in a period, for the lag of the velocity
-        let jump = 2.0 * device.acceleration_max * device.period * device.period;
 
         if m.elapsed.is_some_and(|ticks| ticks > period_ticks + period_ticks / 2 || ticks < period_ticks / 2)
         {
             Some(FaultKind::MissedDeadline)
-        } else if (m.displacement - expected).abs() > jump + 4.0 * device.metre_per_count {
+        } else if (m.displacement - expected).abs() > silence.jump {
             Some(FaultKind::EncoderJump)
         } else if m.velocity.abs() > device.overspeed {
             Some(FaultKind::Overspeed)

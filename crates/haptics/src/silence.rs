@@ -39,6 +39,9 @@ pub(crate) struct Bounds {
     speed: f32,
     /// Load cell codes that must go with a code of the accelerometer.
     share: f32,
+    /// Distance from where the speed leads that no acceleration explains, m: twice what the largest one moves in a
+    /// period, for the lag of the velocity.
+    pub jump: f32,
 }
 
 impl Bounds {
@@ -48,6 +51,8 @@ impl Bounds {
             drift: device.period / DRIFT_S,
             code_per_newton: 1.0 / device.load.unit_per_code,
             speed: SPEED / (device.period * device.accel.unit_per_code),
+            jump: 2.0 * device.acceleration_max * device.period * device.period
+                + 4.0 * device.metre_per_count,
             share: SHARE * device.mass * device.accel.unit_per_code / device.load.unit_per_code,
         }
     }

@@ -244,7 +244,7 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         denied,
         ..Outputs::default()
     };
-    let driven = matches!(state.mode, Mode::Exciting { .. } | Mode::Probing(_));
+    let driven = matches!(state.mode, Mode::Exciting { .. });
     let command = run_mode(config, state, inputs, &handle, &mut outputs);
 
     let motion = safety::Motion {
