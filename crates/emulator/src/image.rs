@@ -38,6 +38,8 @@ pub struct Image {
     pub(crate) symbols: BTreeMap<String, u32>,
     /// Where each function begins, in order.
     pub(crate) functions: Vec<(u32, String)>,
+    /// Where code begins or goes on behind data, in order.
+    pub(crate) code: Vec<u32>,
     /// Bytes that are programmed.
     pub flash_bytes: usize,
     /// Bytes of static data in RAM.
@@ -91,8 +93,14 @@ impl Image {
             .filter(|(_, name)| !name.starts_with('$'))
             .collect();
         functions.sort();
+        let mut code: Vec<u32> = file
+            .symbols()
+            .filter(|s| s.name().is_ok_and(|name| name == "$t" || name.starts_with("$t.")))
+            .map(|s| s.address() as u32)
+            .collect();
+        code.sort_unstable();
         let flash_bytes = flash.iter().map(|(_, data)| data.len()).sum();
-        Ok(Self { flash, symbols, functions, flash_bytes, ram_bytes })
+        Ok(Self { flash, symbols, functions, code, flash_bytes, ram_bytes })
     }
 
     /// Word of the vector table.

@@ -36,6 +36,7 @@ fn image() -> Image {
         flash: vec![(FLASH_BASE, flash)],
         symbols: BTreeMap::new(),
         functions: Vec::new(),
+        code: Vec::new(),
     }
 }
 

@@ -153,24 +153,21 @@ impl Image {
         Ok(reach)
     }
 
-    /// Targets of a `tbb` or `tbh` whose table lies at `at`: it ends where the code goes on, which is no later than
-    /// the nearest target.
+    /// Targets of a `tbb` or `tbh` whose table lies at `at`: it ends where the compiler marks code again (`$t`).
     fn table(&self, at: u32, size: usize) -> Result<Vec<u32>, Lost> {
+        let next = self.code.partition_point(|address| *address <= at);
+        let end = *self.code.get(next).ok_or(Lost::OutsideFlash(at))?;
         let mut targets = Vec::new();
-        let (mut entry, mut end) = (at, u32::MAX);
-        while entry < end {
+        for entry in (at..end).step_by(size) {
             let half = self.half(entry & !1)?;
             let steps = match size {
                 1 => u32::from(half.to_le_bytes()[(entry & 1) as usize]),
                 _ => u32::from(half),
             };
-            let target = at + 2 * steps;
             // a table of bytes is filled up to a whole half-word with zero
             if steps > 0 {
-                end = end.min(target);
-                targets.push(target);
+                targets.push(at + 2 * steps);
             }
-            entry += size as u32;
         }
         Ok(targets)
     }

@@ -8,9 +8,6 @@
 
 use super::stiffness_max;
 
-/// Bisections: the result is exact to 10⁻⁶ of itself.
-const BISECTIONS: u32 = 24;
-
 /// What the device does in one period.
 struct Sampled {
     e: f64,
@@ -35,23 +32,38 @@ impl Sampled {
         }
     }
 
-    /// Jury's conditions for z³ + a₂z² + a₁z + a₀.
-    fn is_stable(&self, k: f64, b: f64) -> bool {
+    /// a₀, a₁, a₂ of z³ + a₂z² + a₁z + a₀; each linear in K.
+    fn polynomial(&self, k: f64, b: f64) -> [f64; 3] {
         let Self { e, alpha, beta: [beta_0, beta_1], gamma: [gamma_0, gamma_1] } = *self;
         let (m00, m01, m10, m11) = (1.0 - beta_0 * k, alpha - beta_0 * b, -gamma_0 * k, e - gamma_0 * b);
-        let a2 = -(m00 + m11);
-        let a1 = m00 * m11 - m01 * m10 + beta_1 * k + gamma_1 * b;
-        let a0 = -(beta_1 * (m11 * k - m10 * b) + gamma_1 * (m00 * b - m01 * k));
-        1.0 + a2 + a1 + a0 > 0.0
-            && 1.0 - a2 + a1 - a0 > 0.0
-            && a0.abs() < 1.0
-            && (1.0 - a0 * a0).abs() > (a1 - a0 * a2).abs()
+        [
+            -(beta_1 * (m11 * k - m10 * b) + gamma_1 * (m00 * b - m01 * k)),
+            m00 * m11 - m01 * m10 + beta_1 * k + gamma_1 * b,
+            -(m00 + m11),
+        ]
     }
+}
+
+/// Where c₀ + c₁t + c₂t², positive at `from`, is first zero beyond it.
+fn first_zero([c0, c1, c2]: [f64; 3], from: f64) -> f64 {
+    let beyond = |t: f64| if t > from { t } else { f64::INFINITY };
+    if c2 == 0.0 {
+        return beyond(-c0 / c1);
+    }
+    let discriminant = c1 * c1 - 4.0 * c2 * c0;
+    if !(discriminant >= 0.0) {
+        return f64::INFINITY;
+    }
+    // without the difference of what is nearly equal
+    let q = -0.5 * (c1 + if c1 < 0.0 { -libm::sqrt(discriminant) } else { libm::sqrt(discriminant) });
+    beyond(q / c2).min(beyond(c0 / q))
 }
 
 /// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes when the force acts `delay` s after the sample,
 /// with an exact velocity. Delays beyond one period count as one. Zero where B alone is already too much. Without
 /// delay it is [`stiffness_max`].
+///
+/// Jury's conditions are linear and quadratic in K: the bound is the first zero of any of them, no search.
 #[must_use]
 pub fn stiffness_max_delayed(mass: f64, damping: f64, period: f64, coupling_damping: f64, delay: f64) -> f64 {
     let most = stiffness_max(mass, damping, period, coupling_damping);
@@ -59,19 +71,32 @@ pub fn stiffness_max_delayed(mass: f64, damping: f64, period: f64, coupling_damp
         return most;
     }
     let sampled = Sampled::new(mass, damping, period, delay.min(period));
-    let (mut stable, mut unstable) = (1e-6 * most, 2.0 * most);
-    if !sampled.is_stable(stable, coupling_damping) {
-        return 0.0;
-    }
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (stable + unstable);
-        if sampled.is_stable(middle, coupling_damping) {
-            stable = middle;
-        } else {
-            unstable = middle;
+    // K = t·most
+    let at_0 = sampled.polynomial(0.0, coupling_damping);
+    let at_1 = sampled.polynomial(most, coupling_damping);
+    let a = |i: usize| (at_0[i], at_1[i] - at_0[i]);
+    let ((p0, q0), (p1, q1), (p2, q2)) = (a(0), a(1), a(2));
+    // 1 − a₀² ∓ (a₁ − a₀a₂)
+    let (base, cross) =
+        ([1.0 - p0 * p0, -2.0 * p0 * q0, -q0 * q0], [p1 - p0 * p2, q1 - p0 * q2 - q0 * p2, -q0 * q2]);
+    let conditions = [
+        [1.0 + p2 + p1 + p0, q2 + q1 + q0, 0.0],
+        [1.0 - p2 + p1 - p0, q1 - q2 - q0, 0.0],
+        [1.0 - p0, -q0, 0.0],
+        [1.0 + p0, q0, 0.0],
+        [base[0] - cross[0], base[1] - cross[1], base[2] - cross[2]],
+        [base[0] + cross[0], base[1] + cross[1], base[2] + cross[2]],
+    ];
+    // at K = 0 the free handle's pole is on the unit circle, so the start is a little beyond it
+    let start = 1e-6;
+    let mut t = f64::INFINITY;
+    for c in conditions {
+        if !(c[0] + start * (c[1] + start * c[2]) > 0.0) {
+            return 0.0;
         }
+        t = t.min(first_zero(c, start));
     }
-    stable
+    if t.is_finite() { t * most } else { most }
 }
 
 #[cfg(test)]
