@@ -17,6 +17,9 @@ use ringbuf::traits::{Consumer, Producer};
 
 /// Preset after a start, unless another is the default.
 const FIRST: &str = "brass";
+/// Lines that are obeyed or refused before the other tasks have their turn: a flood of commands that are refused must
+/// not keep the watchdog from being fed.
+const LINES_AT_ONCE: u32 = 4;
 /// How long the control loop may take to handle a request, ms.
 const PATIENCE_MS: u32 = 500;
 /// How long the host may be silent while it drives the handle, unless `watch` says otherwise, s: an identification
@@ -137,8 +140,9 @@ impl Desk {
     /// it took; offer the rest again after [`Self::poll`].
     pub fn receive(&mut self, bytes: &[u8], ends: &mut DeskEnds<'_>, board: &mut impl Board) -> usize {
         self.heard |= !bytes.is_empty();
+        let mut lines = 0;
         for (at, byte) in bytes.iter().enumerate() {
-            if self.is_busy() {
+            if self.is_busy() || lines == LINES_AT_ONCE {
                 return at;
             }
             let mut line: heapless::String<MAX_LINE> = heapless::String::new();
@@ -150,6 +154,7 @@ impl Desk {
                     self.execute(&line, ends, board);
                 }
             }
+            lines += 1;
         }
         bytes.len()
     }

@@ -297,6 +297,7 @@ impl Peripherals {
     /// Boots the board: clocks, pins, timers, converters. The amplifier is off and the force zero throughout.
     #[must_use]
     pub fn boot() -> Self {
+        setup::boost();
         let p = embassy_stm32::init(setup::clocks());
         let reset_cause = setup::reset_cause();
         // first of all: what keeps the amplifier off

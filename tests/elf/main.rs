@@ -186,7 +186,7 @@ fn a_page_pasted_at_once_is_obeyed_line_by_line_and_never_the_halves_of_two() {
     // the second is more than the device can hold: lines are lost, each loss is told
     for (lines, least) in [(100, 100), (600, 200)] {
         let page: String = (0..lines).map(|k| format!("set f_dynamic 1.{:02}\n", k % 80)).collect();
-        let mut said = board.say(page.as_bytes(), 600.0);
+        let mut said = board.say(page.as_bytes(), 2_000.0);
         // what is lost is told with the end of the line that it is missing from
         said.extend(board.say(b"\n", 50.0));
         let (obeyed, refused): (Vec<_>, Vec<_>) = said.iter().partition(|line| line.starts_with("ok"));

@@ -52,6 +52,8 @@ pub(crate) struct World {
     sensors: Sensors,
     /// Edges to come: (when, forward).
     edges: VecDeque<(u64, bool)>,
+    /// When the last one was, and whether up.
+    last_edge: (u64, bool),
     /// Levels in force now, and those of the end of the chunk.
     levels: (u16, u16),
     force: f64,
@@ -86,6 +88,7 @@ impl World {
             until: 0,
             sensors,
             edges: VecDeque::new(),
+            last_edge: (0, true),
             force: 0.0,
         })
     }
@@ -142,17 +145,51 @@ impl World {
         }
     }
 
-    /// Spreads the edges of a chunk so that the last one is where the rig put it.
+    /// Spreads the edges of a chunk evenly from the edge before up to the last, which is where the rig put it. After a
+    /// pause, and after a reversal, they are spread over the chunk.
     fn schedule(&mut self, before: Sensors, start: u64) {
         let moved = self.sensors.count.wrapping_sub(before.count) as i32;
-        let edges = u64::from(moved.unsigned_abs());
+        let (edges, up) = (u64::from(moved.unsigned_abs()), moved > 0);
         if edges == 0 {
             return;
         }
         let start_ticks = (start / UNITS_PER_TICK) as u32;
-        let last = u64::from(self.sensors.edge_ticks.wrapping_sub(start_ticks)).min(u64::from(CHUNK_TICKS));
+        let ticks = u64::from(self.sensors.edge_ticks.wrapping_sub(start_ticks)).min(u64::from(CHUNK_TICKS));
+        let last = start + ticks * UNITS_PER_TICK;
+        let (previous, was_up) = self.last_edge;
+        let even = was_up == up && previous + last.saturating_sub(previous) / edges >= start;
+        let from = if even { previous.min(last) } else { start };
         for k in 1..=edges {
-            self.edges.push_back((start + last * UNITS_PER_TICK * k / edges, moved > 0));
+            self.edges.push_back((from + (last - from) * k / edges, up));
         }
+        self.last_edge = (last, up);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_come_at_the_pace_of_the_motion() {
+        let law = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+        let mut world = World::new(RigConfig::free_handle(), law, 1).expect("a rig");
+        world.set_hand(Box::new(|_: f64, _: f64, _: f64| 40.0));
+        let (mut last, mut worst, mut now) = (0_u64, 0.0_f64, 0_u64);
+        while world.truth().velocity < 0.9 {
+            now += CHUNK / 7;
+            world.advance(now, None);
+            while let Some((at, up)) = world.edge(now) {
+                let v = world.truth().velocity;
+                if v > 0.2 {
+                    assert!(up);
+                    let interval = (at - last) as f64 / crate::UNITS_PER_SECOND as f64;
+                    worst = worst.max((interval * v / 2.57e-6 - 1.0).abs());
+                }
+                last = at;
+            }
+        }
+        println!("edges at most {worst:.2} of a count from where the motion has them");
+        assert!(worst < 0.02);
     }
 }

@@ -30,6 +30,14 @@ pub(super) fn clocks() -> Config {
     config
 }
 
+/// Range 1 boost mode, without which the core may not run above 150 MHz (RM0440, PWR_CR5).
+///
+/// `Config::boost` means to do this, but stm32-metapac 21 has R1MODE in bit 0 of the register; it is bit 8.
+pub(super) fn boost() {
+    pac::RCC.apb1enr1().modify(|w| w.set_pwren(true));
+    pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
+}
+
 /// TIM2 counts quadrature edges, all four of a period, through a filter of 94 ns; TIM5 captures its own count
 /// on each of them.
 pub(super) fn start_encoder(a: Peri<'static, PA0>, b: Peri<'static, PA1>) {
