@@ -10,6 +10,7 @@ mod flash;
 mod identification;
 mod no_panic;
 mod plot;
+mod random_inputs;
 mod rate;
 mod rendering;
 mod safety;

@@ -170,6 +170,13 @@ impl Adc {
         Some(isr & 1 << 6 != 0)
     }
 
+    /// Other results than those of the conversions.
+    pub fn replace(&mut self, results: [u16; 2]) {
+        for (rank, result) in results.into_iter().enumerate() {
+            self.set(JDR1 + 4 * rank as u32, u32::from(result));
+        }
+    }
+
     pub fn interrupt(&self) -> bool {
         self.reg(ISR) & self.reg(IER) & 0x7ff != 0
     }

@@ -28,6 +28,7 @@ mod flash;
 mod flood;
 mod gpio;
 mod image;
+mod inject;
 mod iwdg;
 mod lpuart;
 mod machine;
@@ -41,6 +42,7 @@ mod tim;
 mod world;
 
 pub use image::{Image, ImageError};
+pub use inject::Injected;
 pub use machine::Machine;
 pub use rcc::ResetCause;
 pub use reach::{Lost, Reach};

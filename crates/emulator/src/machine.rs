@@ -3,11 +3,12 @@
 use crate::bus::{Bank2, Shared, Window};
 use crate::flash::{BANK_2, BANK_BYTES};
 use crate::image::{FLASH_BASE, RAM_BASE, RAM_SIZE};
+use crate::inject::Injector;
 use crate::rcc::ResetCause;
 use crate::soc::{IRQ_ADC1_2, Soc};
 use crate::stats::Statistics;
 use crate::world::World;
-use crate::{Image, UNITS_PER_MS, units_per_cycle};
+use crate::{Image, Injected, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
 use plant::{Bench, Hand, RigConfig, Truth, Wiring};
 use rsemu::core::space::{AddressSpace, RamStore, Region, RomStore, RomWrite};
@@ -266,6 +267,11 @@ impl Machine {
     /// A weight or a gravity that is out of range.
     pub fn put_on_bench(&mut self, bench: Bench) -> Result<(), friction::Invalid> {
         self.shared.soc().world.put_on_bench(bench)
+    }
+
+    /// From now on the sensors say what `source` gives, asked once at the end of every conversion.
+    pub fn inject(&mut self, source: impl FnMut() -> Injected + Send + 'static) {
+        self.shared.soc().injector = Some(Injector(Box::new(source)));
     }
 
     /// Presses or releases the emergency stop.

@@ -4,6 +4,7 @@ use crate::adc::{Adc, Triggered};
 use crate::dac::Dac;
 use crate::flash::Flash;
 use crate::gpio::Gpio;
+use crate::inject::Injector;
 use crate::iwdg::Iwdg;
 use crate::lpuart::Lpuart;
 use crate::rcc::{Gate, Rcc, ResetCause};
@@ -45,6 +46,7 @@ const STOP_PIN: u32 = 7;
 
 /// Indices of timers: TIM2 is 0.
 const ENCODER: usize = 0;
+const EDGE_CLOCK: usize = 3;
 
 #[derive(Debug)]
 pub(crate) struct Soc {
@@ -60,6 +62,7 @@ pub(crate) struct Soc {
     other: HashMap<u32, u32>,
     pub world: World,
     stop_pressed: bool,
+    pub injector: Option<Injector>,
     pub stats: Statistics,
     pub violations: BTreeSet<String>,
     /// End of the sequence that waits for its step.
@@ -87,6 +90,7 @@ impl Soc {
             other: HashMap::new(),
             world,
             stop_pressed: false,
+            injector: None,
             stats: Statistics::default(),
             violations: BTreeSet::new(),
             sampled_at: None,
@@ -328,11 +332,25 @@ impl Soc {
             self.stats.missed += u64::from(lost || self.sampled_at.is_some());
             self.sampled_at = Some(at);
             self.encoder_read = false;
+            self.inject(at);
         }
         self.lpuart.advance(at);
     }
 
+    /// Made-up readings replace what was measured.
+    fn inject(&mut self, at: u64) {
+        if let Some(Injector(source)) = &mut self.injector {
+            let readings = source();
+            self.adc.replace([readings.load_code, readings.accel_code]);
+            self.tims[ENCODER].replace_count(readings.count);
+            self.tims[EDGE_CLOCK].replace_capture(at, readings.skew_ticks, readings.edge_age);
+        }
+    }
+
     fn encoder_edge(&mut self, at: u64, up: bool) {
+        if self.injector.is_some() {
+            return;
+        }
         let wired = self.gpio[0].alternate(0, 1) && self.gpio[0].alternate(1, 1);
         if wired && self.tims[ENCODER].encoder_edge(up) {
             for tim in &mut self.tims {

@@ -258,6 +258,22 @@ impl Tim {
         self.trigger_output() == 8
     }
 
+    /// Another count than that of the edges.
+    pub fn replace_count(&mut self, count: u32) {
+        self.encoder = count;
+    }
+
+    /// Moves the count by `skew`, and captures an edge `age` counts ago.
+    pub fn replace_capture(&mut self, now: u64, skew: u32, age: Option<u32>) {
+        let count = self.count(now).wrapping_add(skew);
+        if skew != 0 {
+            self.restart(now, count);
+        }
+        if let Some(age) = age {
+            self.set(CCR1, count.wrapping_sub(age));
+        }
+    }
+
     /// A pulse on the trigger output of another timer, at `at`.
     pub fn trigger_input(&mut self, from: u8, at: u64) {
         let smcr = self.reg(SMCR);
