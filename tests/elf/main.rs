@@ -11,6 +11,7 @@ mod identification;
 mod no_panic;
 mod plot;
 mod random_inputs;
+mod random_readings;
 mod rate;
 mod rendering;
 mod safety;

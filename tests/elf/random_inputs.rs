@@ -9,164 +9,12 @@
 //! The first difference ends a test: what is printed was without one.
 
 use crate::board::Board;
-use emulator::Injected;
+use crate::random_readings::{PERIOD, Source, Style};
 use friction::effects::EffectKind;
 use haptics::{Control, Device, FaultKind, Inputs, LawKind, Request, Settings};
 use link::Sample;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
-
-/// Ticks in a period.
-const PERIOD: u32 = 170_000;
-const MID: u16 = 32_768;
-/// Counts from the middle to where the made-up handle turns round: 12 mm.
-const TURN: i32 = 4_700;
-
-/// splitmix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// −`most` … `most`.
-    fn within(&mut self, most: i32) -> i32 {
-        (self.next() % (2 * most as u64 + 1)) as i32 - most
-    }
-
-    fn share(&mut self) -> f64 {
-        self.next() as f64 / u64::MAX as f64
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Style {
-    /// At count 0, no edges, sensors at mid-scale.
-    Rest,
-    /// Slowly to count 0, and there at rest.
-    Home,
-    /// Motion a hand might make: smooth, jerky, slow, dithering, none.
-    Hand,
-    /// Any bits at all.
-    Any,
-    /// A hand, and once in a while a reading that must trip a check.
-    Trips,
-}
-
-/// Where the readings come from.
-struct Source {
-    random: Random,
-    style: Style,
-    count: i32,
-    speed: i32,
-    /// How the hand moves, and for how many samples yet.
-    motion: (u32, u32),
-    /// Random readings so far: all but those at rest and on the way there.
-    random_given: u32,
-    /// Samples at a rail to come.
-    rails: u32,
-    skew: u32,
-}
-
-impl Source {
-    fn next(&mut self) -> Injected {
-        self.random_given += u32::from(!matches!(self.style, Style::Rest | Style::Home));
-        let r = &mut self.random;
-        let skew_ticks = std::mem::take(&mut self.skew);
-        match self.style {
-            Style::Rest => {
-                (self.count, self.speed) = (0, 0);
-                Injected { load_code: MID, accel_code: MID, count: 0, edge_age: None, skew_ticks }
-            }
-            Style::Home => {
-                // an edge after which the count has not changed was crossed both ways: the speed is exactly 0
-                let moved = self.count != 0 || self.speed != 0;
-                (self.speed, self.count) =
-                    (self.count.clamp(-20, 20), self.count - self.count.clamp(-20, 20));
-                let edge_age = moved.then(|| r.next() as u32 % (PERIOD / 2));
-                Injected { load_code: MID, accel_code: MID, count: self.count as u32, edge_age, skew_ticks }
-            }
-            Style::Any => Injected {
-                load_code: r.next() as u16,
-                accel_code: [0, u16::MAX, r.next() as u16][(r.next() % 3) as usize],
-                count: [0, i32::MAX as u32, i32::MIN as u32, u32::MAX, r.next() as u32]
-                    [(r.next() % 5) as usize],
-                edge_age: Some(
-                    [0, u32::MAX, r.next() as u32, r.next() as u32 % PERIOD][(r.next() % 4) as usize],
-                ),
-                // the second: the stamp of the sample before, again
-                skew_ticks: [0, PERIOD.wrapping_neg(), r.next() as u32][(r.next() % 3) as usize],
-            },
-            Style::Hand => self.hand(),
-            Style::Trips => {
-                let hand = self.hand();
-                let r = &mut self.random;
-                if self.rails > 0 {
-                    // three in a row are a fault
-                    self.rails -= 1;
-                    return Injected { load_code: [0, u16::MAX][(r.next() % 2) as usize], ..hand };
-                }
-                match r.next() % 600 {
-                    0 => Injected { count: r.next() as u32, ..hand },
-                    1 => Injected { skew_ticks: r.next() as u32, ..hand },
-                    2..5 => {
-                        self.rails = 4;
-                        hand
-                    }
-                    12 => Injected { edge_age: Some(PERIOD - 1), ..hand },
-                    13 => Injected { skew_ticks: PERIOD.wrapping_neg(), ..hand },
-                    14 => Injected {
-                        count: [i32::MAX as u32, i32::MIN as u32][(r.next() % 2) as usize],
-                        ..hand
-                    },
-                    _ => hand,
-                }
-            }
-        }
-    }
-
-    fn hand(&mut self) -> Injected {
-        let r = &mut self.random;
-        if self.motion.1 == 0 {
-            self.motion = (r.next() as u32 % 6, 50 + r.next() as u32 % 300);
-        }
-        self.motion.1 -= 1;
-        let before = self.count;
-        let (most, jerk) = match self.motion.0 {
-            0 => (100, 12),
-            1 => (100, 100),
-            2 => (3, 1),
-            3 => (12, 3),
-            _ => (0, 0),
-        };
-        self.speed = (self.speed + r.within(jerk)).clamp(-most, most);
-        if self.count.abs() > TURN {
-            self.speed = -self.count.signum() * most.max(1);
-        }
-        self.count += self.speed;
-        if self.motion.0 == 4 {
-            // dither across an edge
-            self.count = before + r.within(1);
-        }
-        let moved = self.count != before;
-        let age = match r.next() % 50 {
-            // the capture failed, or is of another edge
-            0 => Some(r.next() as u32),
-            1 => Some(r.next() as u32 % (PERIOD / 2)),
-            // the stamp of the edge before, again
-            2 => None,
-            _ => moved.then(|| r.next() as u32 % (PERIOD / 2)),
-        };
-        let noise = |r: &mut Random| (i32::from(MID) + r.within(700)) as u16;
-        let (load_code, accel_code) = (noise(r), noise(r));
-        Injected { load_code, accel_code, count: self.count as u32, edge_age: age, skew_ticks: 0 }
-    }
-}
 
 /// What was typed and takes effect in a period that is to be found out.
 #[derive(Clone)]
@@ -309,16 +157,7 @@ struct Pair {
 impl Pair {
     fn boot(seed: u64) -> Option<Self> {
         let mut board = Board::boot()?;
-        let source = Source {
-            random: Random(seed),
-            style: Style::Rest,
-            count: 0,
-            speed: 0,
-            motion: (0, 0),
-            random_given: 0,
-            rails: 0,
-            skew: 0,
-        };
+        let source = Source::at_rest(seed);
         let source = Arc::new(Mutex::new(source));
         let readings = Arc::clone(&source);
         board.machine.inject(move || readings.lock().expect("no panic").next());
