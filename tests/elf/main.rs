@@ -6,8 +6,10 @@
 mod agreement;
 mod black_box;
 mod board;
+mod endurance;
 mod flash;
 mod identification;
+mod mutations;
 mod no_panic;
 mod plot;
 mod random_inputs;

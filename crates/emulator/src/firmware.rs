@@ -29,18 +29,26 @@ pub enum BuildError {
 /// # Errors
 /// When no toolchain has the target or the build fails.
 pub fn build(root: &Path, target: &Path) -> Result<PathBuf, BuildError> {
+    build_bin(root, target, PACKAGE)
+}
+
+/// The same for another binary of the firmware's package.
+///
+/// # Errors
+/// When no toolchain has the target or the build fails.
+pub fn build_bin(root: &Path, target: &Path, bin: &str) -> Result<PathBuf, BuildError> {
     let toolchain = [None, Some(FALLBACK)].into_iter().find(|t| has_target(root, *t));
     let toolchain = toolchain.ok_or(BuildError::NoToolchain)?;
     let target = target.join("thumb");
     let built = command(root, "cargo", toolchain)
-        .args(["build", "--release", "--target", TARGET, "--package", PACKAGE, "--bin", PACKAGE])
+        .args(["build", "--release", "--target", TARGET, "--package", PACKAGE, "--bin", bin])
         .env("CARGO_TARGET_DIR", &target)
         .status()
         .is_ok_and(|status| status.success());
     if !built {
         return Err(BuildError::Failed);
     }
-    Ok(target.join(TARGET).join("release").join(PACKAGE))
+    Ok(target.join(TARGET).join("release").join(bin))
 }
 
 /// A tool of a toolchain, without what the outer cargo put into the environment.

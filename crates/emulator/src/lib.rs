@@ -15,6 +15,17 @@
 //! input, oversampling, alignment, clock tree, pin functions and peripheral clocks are decoded from the registers,
 //! and what the data sheet forbids is noted in [`Machine::violations`].
 //!
+//! | decoded | not modelled |
+//! | --- | --- |
+//! | RCC: PLL, switch, AHB and APB1 dividers, clock muxes of ADC and LPUART1, enables, reset flags; wait states and boost against the frequency | oscillator start-up, CSS, low-power modes, resets by RCC_xRSTR |
+//! | ADC1: injected sequence, JEXTSEL and JEXTEN, OVSR, OVSS, SMPR, clock and its limit, busy, frozen settings | regular sequence, DMA, watchdogs, analogue errors, calibration |
+//! | DAC1 channel 1: EN, TEN, TSEL, the three alignments, HFSEL against the bus | channel 2, waveforms, output buffer |
+//! | TIM2-7: PSC preload, ARR, update and compare flags, encoder mode 3, CC inputs, TS, capture on TRC, MMS 2 and 8 | encoder modes 1 and 2 (count nothing), input filter, PWM |
+//! | LPUART1: rate, FIFO, RXNE, TXE, TC, IDLE, overrun, framing | parity, DMA, wake-up |
+//! | IWDG: keys, prescaler, reload | window |
+//! | GPIO: modes, alternate functions, pulls, levels | speed, open drain, lock |
+//! | NVIC: priorities; a control interrupt that waits for another handler is noted | |
+//!
 //! Limits. Cycles are those of the interpreter: no flash wait states, no bus contention, so they are a **lower
 //! bound** for the hardware. Peripherals the firmware does not use read back what was written to them.
 #![forbid(unsafe_code)]

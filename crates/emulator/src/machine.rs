@@ -20,6 +20,9 @@ use std::sync::atomic::Ordering::Relaxed;
 /// RAM before power-on, to see how deep the stack went.
 const PAINT: u8 = 0xc5;
 
+/// Instructions of another handler after which a pending control interrupt is one that waits.
+const HELD_UP: u32 = 4;
+
 /// Where xPSR keeps ITSTATE.
 const IT_STATE: u32 = 0x0600_fc00;
 /// Offset of xPSR in an exception frame.
@@ -40,6 +43,8 @@ pub struct Machine {
     entered: Option<u64>,
     control_pending: bool,
     handler: u32,
+    /// Instructions of another handler while the control interrupt was pending.
+    held_up: u32,
     resets: Vec<(f64, ResetCause)>,
     /// Observed here because it is touched with every instruction.
     elapsed: u64,
@@ -91,6 +96,7 @@ impl Machine {
             cycle: 1,
             entered: None,
             control_pending: false,
+            held_up: 0,
             resets: Vec::new(),
             elapsed: 0,
             asleep: 0,
@@ -141,6 +147,7 @@ impl Machine {
             } else {
                 self.now += cycles * self.cycle;
                 self.watch_control();
+                self.watch_priority();
             }
             self.account(before, was_asleep, cycles);
             if self.cpu.reset_requested() {
@@ -207,6 +214,24 @@ impl Machine {
             self.reset(ResetCause::PowerOn);
         } else if due {
             self.reset(ResetCause::Watchdog);
+        }
+    }
+
+    /// A pending control interrupt preempts every handler, unless a critical section masks it.
+    fn watch_priority(&mut self) {
+        let exception = self.cpu.current_exception().0;
+        let waits = self.entered.is_none()
+            && self.control_pending
+            && exception > 15
+            && exception != 16 + IRQ_ADC1_2
+            && self.cpu.execution_priority() > 0;
+        self.held_up = if waits { self.held_up + 1 } else { 0 };
+        if self.held_up == HELD_UP {
+            let why = format!(
+                "the control interrupt waits for interrupt {}: its priority is too low",
+                exception - 16
+            );
+            self.shared.soc().violations.insert(why);
         }
     }
 

@@ -67,8 +67,8 @@ pub struct Report {
     pub serial_overruns: u64,
     /// Share of the time in which the handle slid; in the rest it stuck.
     pub sliding_share: f64,
-    /// Resets during the run.
-    pub resets: usize,
+    /// Resets since power-on: when and why.
+    pub resets: Vec<String>,
     /// First fault in the telemetry; 0 for none.
     pub fault: u8,
     /// What the data sheet forbids and the firmware did.
@@ -278,7 +278,12 @@ impl Bench {
             preset_swaps: self.swaps,
             serial_overruns: self.machine.serial_overruns(),
             sliding_share: self.sliding as f64 / self.slices.max(1) as f64,
-            resets: self.machine.resets().len(),
+            resets: self
+                .machine
+                .resets()
+                .iter()
+                .map(|(at, cause)| format!("{cause:?} at {at:.1} ms"))
+                .collect(),
             fault: self.fault,
             violations: self.machine.violations().into_iter().collect(),
             met: false,
@@ -351,9 +356,13 @@ impl Report {
             }),
             bar(
                 "faults, resets",
-                format!("{}, {}", self.fault, self.resets),
+                format!(
+                    "{}, {}",
+                    self.fault,
+                    if self.resets.is_empty() { "0".into() } else { self.resets.join("; ") }
+                ),
                 "0, 0",
-                self.fault == 0 && self.resets == 0,
+                self.fault == 0 && self.resets.is_empty(),
             ),
             bar(
                 "against the data sheet",

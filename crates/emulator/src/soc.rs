@@ -259,6 +259,9 @@ impl Soc {
         if hz > 34_000_000 * (wait_states + 1) {
             self.violations.insert(format!("{hz} Hz with {wait_states} flash wait states"));
         }
+        if hz > 150_000_000 && !self.supply.boosted() {
+            self.violations.insert(format!("{hz} Hz without boost"));
+        }
         if hz > 170_000_000 {
             self.violations.insert(format!("core at {hz} Hz, more than 170 MHz"));
         }
@@ -284,6 +287,11 @@ impl Soc {
     }
 
     fn force_was_written(&mut self, now: u64) {
+        // DAC_MCR.HFSEL: 1 above 80 MHz, 2 above 160 MHz (RM0440, 22.7.16)
+        let (hz, hfsel) = (self.rcc.hclk(), self.dac.read(0x3c) >> 14 & 3);
+        if hz > 160_000_000 && hfsel != 2 || hz > 80_000_000 && hfsel == 0 {
+            self.violations.insert(format!("DAC1 with HFSEL = {hfsel} on a bus of {hz} Hz"));
+        }
         if let Some(at) = self.sampled_at.take() {
             self.stats.steps += 1;
             self.stats.compute_us.add(us(now - at));

@@ -2,6 +2,10 @@
 
 const PWR_CR2: u32 = 0x04;
 const PWR_SR2: u32 = 0x14;
+/// Index of PWR_CR5.
+const PWR_CR5: usize = 0x80 / 4;
+/// Range 1 without boost.
+const R1MODE: u32 = 1 << 8;
 const EXTI_IMR1: u32 = 0x00;
 const EXTI_RTSR1: u32 = 0x08;
 const EXTI_FTSR1: u32 = 0x0c;
@@ -18,13 +22,18 @@ pub(crate) struct Supply {
     millivolt: u32,
     /// What was seen of [`Self::low`] last.
     was_low: bool,
-    pwr: [u32; 32],
+    pwr: [u32; 40],
     exti: [u32; 16],
 }
 
 impl Supply {
     pub fn new() -> Self {
-        Self { millivolt: 3300, was_low: false, pwr: [0; 32], exti: [0; 16] }
+        Self {
+            millivolt: 3300,
+            was_low: false,
+            pwr: std::array::from_fn(|k| if k == PWR_CR5 { R1MODE } else { 0 }),
+            exti: [0; 16],
+        }
     }
 
     /// VDD changes; true when it is too low for the chip.
@@ -37,6 +46,11 @@ impl Supply {
     /// Registers as after a reset; the supply is what it is.
     pub fn reset(&mut self) {
         *self = Self { millivolt: self.millivolt, ..Self::new() };
+    }
+
+    /// Range 1 is boosted: more than 150 MHz are allowed (RM0440, 6.1.5).
+    pub fn boosted(&self) -> bool {
+        self.pwr[PWR_CR5] & R1MODE == 0
     }
 
     fn low(&self) -> bool {

@@ -1,0 +1,21 @@
+//! The figures of `emulator report`, over a shorter time: the same code.
+
+use crate::board::image;
+use emulator::report::observe;
+
+#[test]
+fn full_load_and_a_flooded_serial_line_cost_no_step_and_no_frame() {
+    let Some(image) = image() else { return };
+    let report = observe(image, 6.0, |_| ()).expect("it runs and obeys");
+    println!("{report}");
+    // flash is above its bar, and a swap in a step that has everything else to do, too: the report says so
+    for bar in report.bars().iter().filter(|bar| bar.what != "flash" && bar.what != "control step, worst") {
+        assert!(bar.met, "{}: {} must be {}", bar.what, bar.figure, bar.bar);
+    }
+    assert_eq!((report.steps, report.missed, report.frames_lost), (6_000, 0, 0));
+    // it was a flood, it was answered, and the handle both slid and stuck
+    assert!(
+        report.garbage_bytes > 100_000 && report.commands_answered > 100 && report.commands_refused > 100
+    );
+    assert!(report.preset_swaps > 20 && (0.1..0.95).contains(&report.sliding_share), "{report:?}");
+}

@@ -1,0 +1,229 @@
+//! A wrong setting of the board is seen. One check of everything the registers decide, which the firmware passes; and
+//! copies of the source tree with one line of the board changed, which must not.
+//!
+//! Each mutant is a build of its own (half a minute), so they run in a step of `.ci/run`:
+//! `cargo test --test elf a_wrong_build -- --ignored --nocapture`
+
+use crate::board::image;
+use emulator::{Image, Machine, firmware};
+use link::{Decoder, Frame, Item, Sample};
+use std::path::{Path, PathBuf};
+
+/// What the check sees that should not be; empty when all is well.
+fn check(image: &Image) -> Vec<String> {
+    let mut saw = Vec::new();
+    let mut wants = |holds: bool, what: String| {
+        if !holds {
+            saw.push(what);
+        }
+    };
+    let mut machine = Machine::free_handle(image, 1);
+    machine.run_for(50.0);
+    wants(machine.first_step_ms().is_some_and(|ms| ms < 100.0), "no control step within 50 ms".into());
+    machine.serial_write(b"preset use viscous\nrender on\nstream on\n");
+    machine.run_for(30.0);
+    let _ = machine.serial_read();
+    // some 40 mm/s to and fro: 16 edges in a period
+    machine.set_hand(|t: f64, _: f64, v: f64| 3.0 * (20.0 * t).sin() - 2.0 * v);
+    machine.run_for(50.0);
+    machine.reset_statistics();
+    let mut decoder = Decoder::new();
+    let (mut samples, mut forces) = (Vec::<Sample>::new(), Vec::new());
+    for _ in 0..300 {
+        // the receiver is busy all the time
+        machine.serial_write(
+            b"status status status status status status status status status status status status\n",
+        );
+        machine.run_for(1.0);
+        forces.push((machine.force(), machine.truth()));
+        for byte in machine.serial_read() {
+            if let Some(Item::Frame(_, Frame::Sample(sample))) = decoder.push(byte) {
+                samples.push(sample);
+            }
+        }
+    }
+    let s = machine.statistics();
+    wants(
+        s.triggers == 300 && s.steps == 300,
+        format!("{} conversions and {} steps in 300 periods", s.triggers, s.steps),
+    );
+    wants(
+        s.missed + s.stale_outputs == 0,
+        format!("{} samples missed, {} forces late", s.missed, s.stale_outputs),
+    );
+    wants(samples.len() > 250, format!("{} frames in 300 periods", samples.len()));
+    wants(
+        s.latency_us.max <= 20.0 && s.latency_us.spread() < 1.0,
+        format!("force out {:.2} to {:.2} us after the sample", s.latency_us.min, s.latency_us.max),
+    );
+    wants(
+        (s.output_period_us.mean() - 1000.0).abs() < 0.1,
+        format!("a force every {:.2} us", s.output_period_us.mean()),
+    );
+    for violation in machine.violations() {
+        wants(false, violation);
+    }
+    let last = |k: usize| samples.get(samples.len().wrapping_sub(k));
+    let moved = samples.iter().map(|s| s.count.unsigned_abs()).max().unwrap_or(0);
+    wants(moved > 100, format!("encoder: {moved} counts at most while the handle moved"));
+    // edges come every 60 us or so but at the turns
+    let fresh = samples.iter().filter(|s| s.edge_age < 170_000).count();
+    wants(
+        10 * fresh > 8 * samples.len(),
+        format!("edge times: {fresh} of {} samples saw an edge of their period", samples.len()),
+    );
+    let largest = |f: &dyn Fn(&Sample) -> f64| samples.iter().map(f).fold(0.0, |a: f64, b| a.max(b.abs()));
+    let (told, felt) =
+        (largest(&|s| f64::from(s.force)), forces.iter().map(|(force, _)| force.abs()).fold(0.0, f64::max));
+    wants(
+        told > 0.3 && (felt / told - 1.0).abs() < 0.1,
+        format!("the step commands {told:.2} N, the amplifier is told {felt:.2} N"),
+    );
+    // at rest the load cell and the accelerometer are at half of their 16 bits
+    for (what, code) in
+        [("load cell", last(1).map(|s| s.load_code)), ("accelerometer", last(1).map(|s| s.accel_code))]
+    {
+        let code = code.unwrap_or(0);
+        wants((28_000..37_500).contains(&code), format!("{what}: code {code}"));
+    }
+    saw
+}
+
+#[test]
+fn the_board_as_it_is_built_passes_the_check_that_finds_wrong_builds() {
+    let Some(image) = image() else { return };
+    let saw = check(image);
+    assert!(saw.is_empty(), "{saw:#?}");
+}
+
+struct Mutant {
+    what: &'static str,
+    file: &'static str,
+    right: &'static str,
+    wrong: &'static str,
+    /// Part of what must be seen.
+    shows: &'static str,
+}
+
+const SETUP: &str = "src/board/nucleo_g474re/setup.rs";
+const BOARD: &str = "src/board/nucleo_g474re.rs";
+
+const MUTANTS: [Mutant; 8] = [
+    Mutant {
+        what: "ADC trigger: TIM3 instead of TIM6",
+        file: BOARD,
+        right: "triggers::TIM6_TRGO,",
+        wrong: "triggers::TIM3_TRGO,",
+        shows: "no control step",
+    },
+    Mutant {
+        what: "TIM5 trigger input: TIM3 instead of TIM2",
+        file: SETUP,
+        right: "set_ts(Ts::ITR1)",
+        wrong: "set_ts(Ts::ITR2)",
+        shows: "edge times",
+    },
+    Mutant {
+        what: "priority of the control interrupt below the serial line's",
+        file: BOARD,
+        right: "ADC1_2.set_priority(Priority::P0)",
+        wrong: "ADC1_2.set_priority(Priority::P8)",
+        shows: "its priority is too low",
+    },
+    Mutant {
+        what: "DAC alignment: left instead of right",
+        file: BOARD,
+        right: "pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));",
+        wrong: "pac::DAC1.dhr12l(0).write(|w| w.set_dhr(code));",
+        shows: "the amplifier is told",
+    },
+    Mutant {
+        what: "oversampling by 8 instead of 16",
+        file: BOARD,
+        right: "w.set_ovsr(3);",
+        wrong: "w.set_ovsr(2);",
+        shows: "load cell: code",
+    },
+    Mutant {
+        what: "clock: no boost at 170 MHz",
+        file: BOARD,
+        right: "setup::boost();",
+        wrong: "",
+        shows: "without boost",
+    },
+    Mutant {
+        what: "trigger output of TIM2: update instead of encoder clock",
+        file: SETUP,
+        right: "set_mms(Mms::ENCODER_CLOCK_OUTPUT)",
+        wrong: "set_mms(Mms::UPDATE)",
+        shows: "edge times",
+    },
+    Mutant {
+        what: "DAC trigger: TIM6 instead of TIM7",
+        file: SETUP,
+        right: "w.set_tsel(0, 2);",
+        wrong: "w.set_tsel(0, 7);",
+        shows: "force out",
+    },
+];
+
+/// A copy of what the firmware is built from, whose binary has a name of its own: it shares the build directory.
+fn copy(root: &Path, to: &Path) {
+    for part in ["src", "crates", "benches", ".cargo"] {
+        copy_tree(&root.join(part), &to.join(part));
+    }
+    for file in ["Cargo.lock", "build.rs", "memory.x", "rust-toolchain.toml"] {
+        std::fs::copy(root.join(file), to.join(file)).expect(file);
+    }
+    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).expect("Cargo.toml");
+    let bin = "[lib]\nname = \"tribos_firmware\"";
+    assert!(manifest.contains(bin));
+    let named = format!("[[bin]]\nname = \"{MUTANT}\"\npath = \"src/main.rs\"\n\n{bin}");
+    std::fs::write(to.join("Cargo.toml"), manifest.replacen(bin, &named, 1)).expect("written");
+}
+
+const MUTANT: &str = "mutant";
+
+fn copy_tree(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("made");
+    for entry in std::fs::read_dir(from).expect("there").map(|entry| entry.expect("readable")) {
+        let (path, to) = (entry.path(), to.join(entry.file_name()));
+        if path.is_dir() {
+            copy_tree(&path, &to);
+        } else {
+            std::fs::copy(&path, &to).expect("copied");
+        }
+    }
+}
+
+#[test]
+#[ignore = "builds the firmware eight times; a step of .ci/run"]
+fn a_wrong_build_of_the_board_is_seen() {
+    if image().is_none() {
+        return;
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let own = std::env::current_exe().expect("a test has a path");
+    let target: PathBuf = own.ancestors().nth(3).expect("cargo's layout").to_owned();
+    // beside the build, so that the copy and what cargo knows of it last from run to run
+    let tree = target.join("mutants");
+    let _ = std::fs::remove_dir_all(&tree);
+    std::fs::create_dir_all(&tree).expect("made");
+    copy(root, &tree);
+    let mut unseen = Vec::new();
+    for mutant in &MUTANTS {
+        let path = tree.join(mutant.file);
+        let right = std::fs::read_to_string(&path).expect("a source");
+        assert_eq!(right.matches(mutant.right).count(), 1, "{}: the line has changed", mutant.what);
+        std::fs::write(&path, right.replace(mutant.right, mutant.wrong)).expect("written");
+        let elf = firmware::build_bin(&tree, &target, MUTANT).expect("a mutant builds");
+        std::fs::write(&path, right).expect("written");
+        let image = Image::parse(&std::fs::read(elf).expect("it is there")).expect("an image");
+        let saw = check(&image);
+        println!("{}:\n    {}", mutant.what, saw.join("\n    "));
+        if !saw.iter().any(|line| line.contains(mutant.shows)) {
+            unseen.push(mutant.what);
+        }
+    }
+    assert!(unseen.is_empty(), "not seen: {unseen:?}");
+}
