@@ -134,7 +134,7 @@ const MUTANTS: [Mutant; 8] = [
         what: "DAC alignment: left instead of right",
         file: BOARD,
         right: "pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));",
-        wrong: "pac::DAC1.dhr12l(0).write(|w| w.set_dhr(code));",
+        wrong: "pac::DAC1.dhr12l(0).write(|w| w.0 = code.into());",
         shows: "the amplifier is told",
     },
     Mutant {

@@ -55,7 +55,7 @@ impl Lpuart {
     }
 
     fn byte_time(&self) -> u64 {
-        10 * units_per_cycle(self.baud() as u64)
+        units_per_cycle(self.baud() as u64).saturating_mul(10)
     }
 
     fn framed(&self) -> bool {
@@ -117,7 +117,7 @@ impl Lpuart {
         if self.sending.is_none()
             && let Some(byte) = self.queued.pop_front()
         {
-            self.sending = Some((now + self.byte_time(), byte));
+            self.sending = Some((now.saturating_add(self.byte_time()), byte));
         }
     }
 
@@ -151,7 +151,7 @@ impl Lpuart {
             }
             self.next_byte(at);
             if self.arrival.is_none() {
-                self.idle_at = Some(at + self.byte_time());
+                self.idle_at = Some(at.saturating_add(self.byte_time()));
             }
         }
         if self.idle_at.is_some_and(|at| now >= at) {
