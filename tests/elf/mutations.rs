@@ -23,6 +23,8 @@ fn check(image: &Image) -> Vec<String> {
     machine.serial_write(b"preset use viscous\nrender on\nstream on\n");
     machine.run_for(30.0);
     let _ = machine.serial_read();
+    let at_rest = machine.force();
+    wants(at_rest.abs() < 0.5, format!("at rest the amplifier is told {at_rest:.2} N"));
     // some 40 mm/s to and fro: 16 edges in a period
     machine.set_hand(|t: f64, _: f64, v: f64| 3.0 * (20.0 * t).sin() - 2.0 * v);
     machine.run_for(50.0);
