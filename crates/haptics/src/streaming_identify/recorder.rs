@@ -3,7 +3,7 @@
 use super::moments::{Codes, Moments, PER_M_S, SUMS, steps};
 use crate::{Accepted, Config, Device, Excitation, Refused, Wave};
 
-/// Bands of speed. All but the last are of one width and span [`SLOW`] of the top speed; the last has the rest.
+/// Bands of speed. All but the last are of one width and span the lower three tenths of the top speed; the last has the rest.
 pub const BANDS: usize = 12;
 /// Share of the top speed in which Δv is looked for.
 const SLOW: f32 = 0.3;
