@@ -150,7 +150,7 @@ impl Lpuart {
                 }
             }
             self.next_byte(at);
-            if self.arrival.is_none() {
+            if self.arrival.is_none() && self.on(2) {
                 self.idle_at = Some(at.saturating_add(self.byte_time()));
             }
         }

@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 
 /// Virtual time between two looks at the outside, ms.
 const SLICE_MS: f64 = 1.0;
+/// Virtual time in which the firmware starts before its serial line is named, ms.
+const BOOT_MS: f64 = 50.0;
 /// Longest time that is caught up after the machine was busy; what is beyond passes without the board.
 const CATCH_UP: Duration = Duration::from_millis(250);
 
@@ -96,6 +98,9 @@ pub fn run(args: &Args) -> Result<ExitCode, String> {
     let stop = Arc::new(AtomicBool::new(false));
     let pressed = Arc::clone(&stop);
     ctrlc::set_handler(move || pressed.store(true, Relaxed)).map_err(|e| e.to_string())?;
+
+    // who opens the line at once meets a board that listens, as one that is plugged in does
+    machine.run_for(BOOT_MS);
 
     println!("the firmware, {} B, on an emulated NUCLEO-G474RE", image.flash_bytes);
     println!("serial line {}   (cargo tribos connect {})", pty.name(), pty.name());
