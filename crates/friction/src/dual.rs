@@ -43,6 +43,9 @@ macro_rules! scalar_by_chain_rule {
                 let by_power = value * libm::log(self.re);
                 Self::new(value, self.eps * finite_or_zero(by_base) + p.eps * finite_or_zero(by_power))
             }
+            fn fraction(bits: u32) -> Self {
+                Self::new(f64::fraction(bits), $constant)
+            }
             fn has_derivative(self) -> bool {
                 let carries: fn(&Self) -> bool = $carries;
                 carries(&self)

@@ -7,8 +7,8 @@ use num_traits::{Num, NumAssignOps};
 
 /// A real scalar.
 ///
-/// Every transcendental goes through `libm`, or in `f32`, where `libm` computes in `f64`, through this crate's own, never through `std` or `num_traits::Float`: the host must
-/// compute bit for bit what the target computes, and `num_traits` silently changes its backend when any
+/// Every transcendental goes through `libm`, or in `f32`, where `libm` computes in `f64`, through this crate's own,
+/// never through `std` or `num_traits::Float`: the host must compute bit for bit what the target computes, and `num_traits` silently changes its backend when any
 /// crate of the workspace turns on its `std` feature.
 pub trait Scalar:
     Copy + Debug + PartialOrd + Num + NumAssignOps + core::ops::Neg<Output = Self> + 'static
@@ -29,6 +29,9 @@ pub trait Scalar:
     fn cos(self) -> Self;
     /// x^p for x ≥ 0.
     fn powf(self, p: Self) -> Self;
+
+    /// Uniform in [0, 1) from 24 random bits of `bits`, exactly.
+    fn fraction(bits: u32) -> Self;
 
     /// |x|.
     fn abs(self) -> Self {
@@ -92,6 +95,9 @@ macro_rules! scalar_by_libm {
             }
             fn powf(self, p: Self) -> Self {
                 libm::$pow(self, p)
+            }
+            fn fraction(bits: u32) -> Self {
+                (bits >> 8) as $float * (1.0 / 16_777_216.0)
             }
             // not by way of f64, which is software on the target
             fn is_finite(self) -> bool {

@@ -1,0 +1,135 @@
+//! Elasto-plastic friction: LuGre whose bristles are springs before they slip, so that it does not drift.
+
+use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
+use serde::{Deserialize, Serialize};
+
+/// Parts a plastic displacement is cut into at most; the error of the frozen α falls with their square.
+const PARTS: usize = 3;
+
+/// Elasto-plastic friction (Dupont, Hayward, Armstrong, Altpeter 2002).
+///
+/// ```text
+/// dz/dt = v (1 − α(z, v) z/z_ss(v)),   z_ss = s g(v)/σ₀,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
+/// α = 0                                      |z| ≤ z_ba, or z and v point apart
+/// α = ½ + ½ sin(π (|z| − (|z_ss| + z_ba)/2)/(|z_ss| − z_ba))   between
+/// α = 1                                      |z| ≥ |z_ss|
+/// F = σ₀ z + σ₁ dz/dt + σ₂ v
+/// ```
+///
+/// Below z_ba = `elastic`·F_c/σ₀ the contact is a spring and gives everything back: a load that vibrates below that does not
+/// move it, where Dahl and LuGre drift. Elastic displacement is followed exactly; plastic in parts with α held over
+/// each, by the exponential that solves it, so that |z| ≤ |z_ss| always and any step is stable.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ElastoPlastic<S> {
+    /// Bristle stiffness σ₀, N/m.
+    pub sigma_0: S,
+    /// Bristle damping σ₁, N·s/m.
+    pub sigma_1: S,
+    /// Viscous friction σ₂, N·s/m.
+    pub sigma_2: S,
+    /// Coulomb level F_c, N.
+    pub coulomb: S,
+    /// Stiction F_s, N; at least `coulomb`.
+    pub stiction: S,
+    /// Stribeck velocity v_s, m/s.
+    pub stribeck_velocity: S,
+    /// Share of F_c up to which the contact is a spring, 0 … 0.99; 0 with α ≡ 1 would be LuGre.
+    pub elastic: S,
+}
+
+/// What [`ElastoPlastic`] remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ElastoPlasticState<S> {
+    /// Mean deflection of the bristles z, m.
+    pub z: S,
+}
+
+impl<S: Scalar> Default for ElastoPlasticState<S> {
+    fn default() -> Self {
+        Self { z: S::zero() }
+    }
+}
+
+impl<S: Scalar> ElastoPlastic<S> {
+    /// Steady friction level g(v) without its viscous part, N.
+    pub fn level(&self, velocity: S) -> S {
+        let ratio = (velocity / self.stribeck_velocity).clamp(S::lit(-1e3), S::lit(1e3));
+        self.coulomb + (self.stiction - self.coulomb) * (-(ratio * ratio)).exp()
+    }
+
+    /// α for a deflection that points where the motion goes.
+    fn alpha(&self, z: S, steady: S, break_away: S) -> S {
+        if z <= break_away {
+            S::zero()
+        } else if z >= steady {
+            S::one()
+        } else {
+            let half = S::lit(0.5);
+            let phase = (z - half * (steady + break_away)) / (steady - break_away);
+            half + half * (S::lit(core::f64::consts::PI) * phase).sin()
+        }
+    }
+
+    /// The deflection, counted along the motion, after sliding `distance` ≥ 0.
+    fn slid(&self, z: S, distance: S, steady: S) -> S {
+        let zero = S::zero();
+        let break_away = (self.elastic * self.coulomb / self.sigma_0).min(steady);
+        let springs = (break_away - z).max(zero).min(distance);
+        let (mut z, mut left) = (z + springs, distance - springs);
+        if !(left > zero) {
+            return z;
+        }
+        // within a few z_ss the contact has forgotten where it was
+        left = left.min(S::lit(64.0) * steady);
+        let part = left / S::lit(PARTS as f64);
+        for _ in 0..PARTS {
+            // α in the middle of the part
+            let rate = |z: S| if steady > zero { self.alpha(z, steady, break_away) / steady } else { zero };
+            let middle = z + S::lit(0.5) * part * (S::one() - rate(z) * z);
+            let rate = rate(middle.min(steady));
+            z = (z + (S::one() - rate * z) * part * relaxed(rate * part)).min(steady);
+        }
+        z
+    }
+}
+
+/// (1 − e^(−y))/y for y ≥ 0, without the difference of what is nearly equal.
+fn relaxed<S: Scalar>(y: S) -> S {
+    let one = S::one();
+    if y < S::lit(1e-2) {
+        one - y * (S::lit(0.5) - y * (S::lit(1.0 / 6.0) - y * S::lit(1.0 / 24.0)))
+    } else {
+        (one - (-y).exp()) / y
+    }
+}
+
+impl<S: Scalar> FrictionLaw<S> for ElastoPlastic<S> {
+    type State = ElastoPlasticState<S>;
+
+    fn step(&self, state: &mut ElastoPlasticState<S>, motion: &Motion<S>) -> S {
+        if !motion.is_finite() {
+            return S::lit(f64::NAN);
+        }
+        let (dx, zero) = (motion.displacement, S::zero());
+        let bound = self.stiction / self.sigma_0;
+        let before = state.z.clamp(-bound, bound);
+        state.z = if dx == zero {
+            before
+        } else {
+            let (sign, steady) = (dx.sgn(), self.level(motion.velocity) / self.sigma_0);
+            sign * self.slid((sign * before).min(steady.max(zero)), dx.abs(), steady)
+        };
+        let rate = if motion.dt > zero { limits::bounded((state.z - before) / motion.dt) } else { zero };
+        limits::bounded(self.sigma_0 * state.z + self.sigma_1 * rate + self.sigma_2 * motion.velocity)
+    }
+
+    fn validate(&self) -> Result<(), Invalid> {
+        in_range("sigma_0", self.sigma_0, 1e-3, limits::STIFFNESS)?;
+        in_range("sigma_1", self.sigma_1, 0.0, limits::VISCOUS)?;
+        in_range("sigma_2", self.sigma_2, 0.0, limits::VISCOUS)?;
+        in_range("coulomb", self.coulomb, 0.0, limits::LEVEL)?;
+        in_range("stiction", self.stiction, self.coulomb.re(), limits::LEVEL)?;
+        in_range("stribeck_velocity", self.stribeck_velocity, 1e-6, 1e3)?;
+        in_range("elastic", self.elastic, 0.0, 0.99)
+    }
+}

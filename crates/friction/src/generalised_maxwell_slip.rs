@@ -1,0 +1,142 @@
+//! Generalised Maxwell slip: parallel springs and sliders, with a sliding level that depends on speed.
+
+use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
+use serde::{Deserialize, Serialize};
+
+/// Elements of [`MaxwellSlip`].
+pub const ELEMENTS: usize = 6;
+
+/// Generalised Maxwell slip (Al-Bender, Lampaert, Swevers 2005), with six elements.
+///
+/// ```text
+/// sticking:  dF_i/dt = k_i v            until |F_i| = ν_i g(v)
+/// slipping:  dF_i/dt = s C (ν_i − s F_i/g(v))   until v changes sign
+/// F = Σ F_i + σ₂ v,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
+/// ```
+///
+/// The only one of the laws here with non-local memory: after a reversal within a reversal the force goes on where the
+/// outer loop was left. At constant speed the slipping equation is solved exactly over the step.
+///
+/// Element i of [`MaxwellSlip::new`] gives way at the deflection x_i = x_s (2i + 1)/4, and ν and k are such that the
+/// virgin curve Σ min(k_i x, ν_i) runs through (1 − e^(−x/x_s))/(1 − e^(−x_5/x_s)) at every x_i and is 1 from x_5 on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MaxwellSlip<S> {
+    /// Stiffness k_i as a share of F_c, 1/m.
+    pub stiffness: [S; ELEMENTS],
+    /// Share ν_i of the sliding level; they sum to 1.
+    pub share: [S; ELEMENTS],
+    /// Coulomb level F_c, N.
+    pub coulomb: S,
+    /// Stiction F_s, N; at least `coulomb`.
+    pub stiction: S,
+    /// Stribeck velocity v_s, m/s.
+    pub stribeck_velocity: S,
+    /// Attraction C: how fast a slipping element follows the level, N/s.
+    pub attraction: S,
+    /// Viscous friction σ₂, N·s/m.
+    pub viscous: S,
+}
+
+/// What [`MaxwellSlip`] remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaxwellSlipState<S> {
+    /// Force of each element F_i, N.
+    pub force: [S; ELEMENTS],
+    /// The direction in which each element slips, 0 where it sticks.
+    pub slips: [i8; ELEMENTS],
+}
+
+impl<S: Scalar> Default for MaxwellSlipState<S> {
+    fn default() -> Self {
+        Self { force: [S::zero(); ELEMENTS], slips: [0; ELEMENTS] }
+    }
+}
+
+impl<S: Scalar> MaxwellSlip<S> {
+    /// A contact that gives like 1 − e^(−x/`presliding`), presliding in m; no Stribeck effect, no viscous friction.
+    pub fn new(coulomb: S, presliding: S) -> Self {
+        let apart = presliding / S::lit(2.0);
+        let knot = |i: usize| apart * S::lit(i as f64 + 0.5);
+        let shape = |x: S| S::one() - (-(x / presliding)).exp();
+        let whole = shape(knot(ELEMENTS - 1));
+        let virgin = |x: S| shape(x) / whole;
+        // slope of the virgin curve between knots: what is left of the stiffness there
+        let slope = |i: usize| match i {
+            0 => virgin(knot(0)) / knot(0),
+            i if i < ELEMENTS => (virgin(knot(i)) - virgin(knot(i - 1))) / apart,
+            _ => S::zero(),
+        };
+        let stiffness = core::array::from_fn(|i| slope(i) - slope(i + 1));
+        let share = core::array::from_fn(|i| (slope(i) - slope(i + 1)) * knot(i));
+        Self {
+            stiffness,
+            share,
+            coulomb,
+            stiction: coulomb,
+            stribeck_velocity: S::lit(0.01),
+            attraction: S::lit(1e3) * coulomb.max(S::lit(1e-3)),
+            viscous: S::zero(),
+        }
+    }
+
+    /// Sliding level g(v) without its viscous part, N.
+    pub fn level(&self, velocity: S) -> S {
+        let ratio = (velocity / self.stribeck_velocity).clamp(S::lit(-1e3), S::lit(1e3));
+        self.coulomb + (self.stiction - self.coulomb) * (-(ratio * ratio)).exp()
+    }
+}
+
+impl<S: Scalar> FrictionLaw<S> for MaxwellSlip<S> {
+    type State = MaxwellSlipState<S>;
+
+    fn step(&self, state: &mut MaxwellSlipState<S>, motion: &Motion<S>) -> S {
+        if !motion.is_finite() {
+            return S::lit(f64::NAN);
+        }
+        let (dx, zero) = (motion.displacement, S::zero());
+        let level = self.level(motion.velocity);
+        let follows = if level > zero { (-(self.attraction * motion.dt / level)).exp() } else { zero };
+        let (direction, sign): (i8, S) = if dx > zero {
+            (1, S::one())
+        } else if dx < zero {
+            (-1, -S::one())
+        } else {
+            (0, zero)
+        };
+        let mut sum = zero;
+        let elements =
+            self.stiffness.iter().zip(&self.share).zip(state.force.iter_mut().zip(&mut state.slips));
+        for ((&stiffness, &share), (force, slips)) in elements {
+            let limit = share * level;
+            if direction == 0 {
+                // at rest nothing moves, and what slipped goes on when the motion does
+            } else if *slips == direction {
+                let end = sign * limit;
+                *force = end + (*force - end) * follows;
+            } else {
+                *slips = 0;
+                let stretched = *force + stiffness * self.coulomb * dx;
+                *force = if sign * stretched >= limit {
+                    *slips = direction;
+                    sign * limit
+                } else {
+                    stretched
+                };
+            }
+            sum += *force;
+        }
+        limits::bounded(sum + self.viscous * motion.velocity)
+    }
+
+    fn validate(&self) -> Result<(), Invalid> {
+        for (&stiffness, &share) in self.stiffness.iter().zip(&self.share) {
+            in_range("stiffness", stiffness, 0.0, limits::STIFFNESS)?;
+            in_range("share", share, 0.0, 1.0)?;
+        }
+        in_range("coulomb", self.coulomb, 0.0, limits::LEVEL)?;
+        in_range("stiction", self.stiction, self.coulomb.re(), limits::LEVEL)?;
+        in_range("stribeck_velocity", self.stribeck_velocity, 1e-6, 1e3)?;
+        in_range("attraction", self.attraction, 0.0, limits::STIFFNESS)?;
+        in_range("viscous", self.viscous, 0.0, limits::VISCOUS)
+    }
+}

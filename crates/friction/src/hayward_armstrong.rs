@@ -1,0 +1,102 @@
+//! Hayward and Armstrong's friction for haptics: Dahl in displacement, without drift, without time.
+
+use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
+use serde::{Deserialize, Serialize};
+
+/// α(z) of eq. 4.4: how the contact gives way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Adhesion {
+    /// Eq. 4.6: static and kinetic friction are the same.
+    StickSlide,
+    /// Eq. 4.7: the contact holds up to z_stick, then slips to z_max.
+    StickSlipSlide,
+    /// Eq. 4.8: as 4.7, and creeps under a slow load.
+    StickCreepSlipSlide,
+}
+
+/// Friction of Hayward and Armstrong (2000), eq. 4.4 to 4.8.
+///
+/// ```text
+/// dz/dx = 1 − α(z) sgn(dx) z,   F = k z + b v
+/// z_k = x_k − w_(k−1)
+/// w_k = x_k − z_max sgn z_k               where α(z_k) |z_k| > 1   (the contact slips)
+/// w_k = w_(k−1) + |x_k − x_(k−1)| α(z_k) z_k   elsewhere           (it creeps, or holds)
+/// ```
+///
+/// A function of displacement alone: noise in a resting position moves nothing below z_max (no drift), and a time step
+/// makes no difference. With eq. 4.7 the force is a saw with period z_stick − z_max in *distance*: the frequency of the
+/// rendered stick-slip is v/(z_stick − z_max) and belongs to the interface, as long as a step is shorter than that.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HaywardArmstrong<S> {
+    /// Stiffness of the contact k, N/m.
+    pub stiffness: S,
+    /// Kinetic friction k z_max, N.
+    pub dynamic: S,
+    /// Friction k z_stick at which the contact gives way, N; at least `dynamic`. Not used by `stick_slide`.
+    pub stiction: S,
+    /// Viscous friction b, N·s/m.
+    pub viscous: S,
+    /// How the contact gives way.
+    pub adhesion: Adhesion,
+}
+
+/// What [`HaywardArmstrong`] remembers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HaywardArmstrongState<S> {
+    /// Deflection of the contact z = x − w, m.
+    pub z: S,
+}
+
+impl<S: Scalar> Default for HaywardArmstrongState<S> {
+    fn default() -> Self {
+        Self { z: S::zero() }
+    }
+}
+
+impl<S: Scalar> HaywardArmstrong<S> {
+    /// α(z), 1/m.
+    fn alpha(&self, z: S) -> S {
+        let slipping = self.stiffness / self.dynamic;
+        let gives_way = |limit: S| if z.abs() * self.stiffness > limit { slipping } else { S::zero() };
+        match self.adhesion {
+            Adhesion::StickSlide => gives_way(self.dynamic),
+            Adhesion::StickSlipSlide => gives_way(self.stiction),
+            Adhesion::StickCreepSlipSlide => {
+                let ratio = self.stiction / (self.stiffness * z.abs());
+                let fourth = ratio * ratio * ratio * ratio;
+                slipping / (S::one() + fourth * fourth)
+            }
+        }
+    }
+}
+
+impl<S: Scalar> FrictionLaw<S> for HaywardArmstrong<S> {
+    type State = HaywardArmstrongState<S>;
+
+    fn step(&self, state: &mut HaywardArmstrongState<S>, motion: &Motion<S>) -> S {
+        if !motion.is_finite() {
+            return S::lit(f64::NAN);
+        }
+        let dx = motion.displacement;
+        let z = state.z + dx;
+        let most = self.dynamic / self.stiffness;
+        let zero = S::zero();
+        state.z = if z == zero || dx == zero {
+            z
+        } else if !(most > zero) {
+            zero
+        } else {
+            let alpha = self.alpha(z);
+            if alpha * z.abs() > S::one() { most * z.sgn() } else { z - dx.abs() * alpha * z }
+        };
+        limits::bounded(self.stiffness * state.z + self.viscous * motion.velocity)
+    }
+
+    fn validate(&self) -> Result<(), Invalid> {
+        in_range("stiffness", self.stiffness, 1e-3, limits::STIFFNESS)?;
+        in_range("dynamic", self.dynamic, 0.0, limits::LEVEL)?;
+        in_range("stiction", self.stiction, self.dynamic.re(), limits::LEVEL)?;
+        in_range("viscous", self.viscous, 0.0, limits::VISCOUS)
+    }
+}
