@@ -3,6 +3,7 @@
 use super::Telemetry;
 use super::calibrate::{Fits, describe};
 use core::fmt::{self, Write};
+use haptics::number::Text;
 use haptics::{Denied, Device, Excitation, FaultKind, Identified, Settings, Warning};
 use heapless::String;
 use link::{Name, Sensor};
@@ -65,22 +66,23 @@ impl Pending {
                 describe(Sensor::Accel, &device.accel, fits[1].as_ref(), out)
             }
             Self::Push => Ok(()),
-            Self::Rate(device) => write!(out, "ok rate {:.0} Hz", 1.0 / device.period),
+            Self::Rate(device) => write!(out, "ok rate {:.0} Hz", Text(1.0 / device.period)),
             Self::Render(on) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
             Self::Move(e, watch) => {
-                let (wave, amplitude, frequency) = (e.wave.id(), e.amplitude_m, e.frequency_hz);
+                let (wave, amplitude, frequency) = (e.wave.id(), Text(e.amplitude_m), Text(e.frequency_hz));
                 write!(out, "ok move {wave} {amplitude} m {frequency} Hz")?;
                 if e.seconds > 0.0 {
-                    write!(out, " for {} s", e.seconds)?;
+                    write!(out, " for {} s", Text(e.seconds))?;
                 } else {
                     out.write_str(" until `stop`")?;
                 }
                 if *watch > 0.0 && !(e.seconds > 0.0 && e.seconds < *watch) {
-                    write!(out, "; send a line at least every {watch} s")?;
+                    write!(out, "; send a line at least every {} s", Text(*watch))?;
                 }
                 Ok(())
             }
             Self::Identify(seconds) => {
+                let seconds = Text(*seconds);
                 write!(out, "ok identify: {seconds:.0} s of motion, hands off; the result follows")
             }
             Self::Stop => out.write_str("ok stop"),
@@ -132,15 +134,15 @@ pub(super) fn denied(why: Denied, fault: Option<FaultKind>, out: &mut Line) {
 /// `status` without its head.
 pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Result {
     let o = &t.outputs;
-    let load = device.load.to_si(t.inputs.load_code);
+    let load = Text(device.load.to_si(t.inputs.load_code));
     write!(
         out,
         "handle {:.6} m {:.4} m/s, block {:.6} m {}, load {load:.3} N, force {:.3} N",
-        o.position,
-        o.velocity,
-        o.block_position,
+        Text(o.position),
+        Text(o.velocity),
+        Text(o.block_position),
         if o.stuck { "stuck" } else { "free" },
-        o.force,
+        Text(o.force),
     )
 }
 
@@ -159,12 +161,12 @@ pub(super) fn identified(found: &Identified, out: &mut Line) -> fmt::Result {
     .into_iter()
     .chain(levels.into_iter().filter_map(|(name, level)| Some((name, level?, "N"))))
     {
-        write!(out, "{name} {:.4} ± {:.4} {unit}, ", estimate.value, estimate.std)?;
+        write!(out, "{name} {:.4} ± {:.4} {unit}, ", Text(estimate.value), Text(estimate.std))?;
     }
     for (name, level) in levels {
         if level.is_none() {
             write!(out, "{name} not seen, ")?;
         }
     }
-    write!(out, "relative error {:.2} %, {} samples", 100.0 * found.relative_error, found.used)
+    write!(out, "relative error {:.2} %, {} samples", Text(100.0 * found.relative_error), found.used)
 }

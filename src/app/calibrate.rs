@@ -6,6 +6,7 @@
 use super::Telemetry;
 use super::answer::{Line, err};
 use core::fmt::{self, Write};
+use haptics::number::Text;
 use haptics::{Channel, Device};
 use heapless::Vec;
 use link::Sensor;
@@ -19,7 +20,7 @@ const STILL: u32 = 2;
 /// Spread of the codes that is no rest: 3 % of the scale.
 const NOISY: u16 = 2_000;
 /// Codes that two points must be apart: a hundredth of the scale would do, this is ten times the noise of a mean.
-const APART: f32 = 100.0;
+const APART: u16 = 100;
 /// How far a gain may be from the data sheet's, share.
 const GAIN: f32 = 0.2;
 /// How far the code of zero may be from the data sheet's.
@@ -87,20 +88,23 @@ impl fmt::Display for Unfit {
                 "the code falls while the value grows: exchange the signal wires, or the sign of the values",
             ),
             Self::Gain { found, nominal } => {
-                let (low, high) = ((1.0 - GAIN) * nominal, (1.0 + GAIN) * nominal);
+                let found = Text(found);
+                let (low, high) = (Text((1.0 - GAIN) * nominal), Text((1.0 + GAIN) * nominal));
                 write!(
                     f,
                     "gain {found:.7} a code: accepted from {low:.7} to {high:.7}; are the values right?"
                 )
             }
             Self::Offset { found, nominal } => {
-                let (low, high) = (nominal - OFFSET, nominal + OFFSET);
+                let found = Text(found);
+                let (low, high) = (Text(nominal - OFFSET), Text(nominal + OFFSET));
                 write!(
                     f,
                     "zero at code {found:.0}: accepted from {low:.0} to {high:.0}; is something left on it?"
                 )
             }
             Self::Crooked { value, off, most } => {
+                let (value, off, most) = (Text(value), Text(off), Text(most));
                 write!(
                     f,
                     "the point at {value} is {off:.0} codes off the line: accepted up to {most:.0}; `calibrate discard`, take them again"
@@ -233,14 +237,17 @@ impl Calibration {
                 write!(out, "codes spread over {span}: accepted up to {NOISY}; wait until it hangs still"),
             )
         } else if span == 0 {
-            ("DEAD", write!(out, "code {code:.0} without any noise: is it connected?"))
-        } else if let Some(same) = points.iter().find(|p| (p.code - code).abs() < APART && p.value != value) {
+            ("DEAD", write!(out, "code {:.0} without any noise: is it connected?", Text(code)))
+        } else if let Some(same) =
+            points.iter().find(|p| (p.code - code).abs() < f32::from(APART) && p.value != value)
+        {
             (
                 "EQUAL",
                 write!(
                     out,
-                    "code {code:.0} as at {}: accepted is one {APART} codes away; did the load change?",
-                    same.value
+                    "code {:.0} as at {}: accepted is one {APART} codes away; did the load change?",
+                    Text(code),
+                    Text(same.value)
                 ),
             )
         } else {
@@ -253,7 +260,9 @@ impl Calibration {
             }
             let _ = write!(
                 out,
-                "ok calibrate {name} {value} {unit}: code {code:.1}, noise over {span} codes, {} points",
+                "ok calibrate {name} {} {unit}: code {:.1}, noise over {span} codes, {} points",
+                Text(value),
+                Text(code),
                 points.len()
             );
             return Ok(());
@@ -284,9 +293,10 @@ impl Calibration {
 /// `; load: 0.0013574 N a code, zero at 32768.0, 2 points within 0.0 codes`
 pub(super) fn describe(sensor: Sensor, channel: &Channel, fit: Option<&Fit>, out: &mut Line) -> fmt::Result {
     let (name, unit) = (sensor.id(), sensor.unit());
-    write!(out, "; {name}: {:.7} {unit} a code, zero at {:.1}", channel.unit_per_code, channel.offset_code)?;
+    let (gain, zero) = (Text(channel.unit_per_code), Text(channel.offset_code));
+    write!(out, "; {name}: {gain:.7} {unit} a code, zero at {zero:.1}")?;
     match fit {
-        Some(fit) => write!(out, ", {} points within {:.1} codes", fit.points, fit.residual),
+        Some(fit) => write!(out, ", {} points within {:.1} codes", fit.points, Text(fit.residual)),
         None => Ok(()),
     }
 }

@@ -11,6 +11,7 @@ use super::{DeskEnds, FaultReport, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
+use haptics::number::Text;
 use haptics::{Config, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver};
 use link::{BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, PresetStore, Sensor};
 use ringbuf::traits::{Consumer, Producer};
@@ -404,7 +405,7 @@ impl Desk {
                 "tribos {} on {}, {:.0} Hz",
                 env!("CARGO_PKG_VERSION"),
                 board.name(),
-                1.0 / self.device.period
+                Text(1.0 / self.device.period)
             )),
             Command::Status => self.status(board),
             Command::Fault => self.tell_fault(board),
@@ -440,7 +441,7 @@ impl Desk {
             }
             Command::Watch(seconds) => self.watch(seconds),
             Command::Calibrate(step) => self.calibrate(step, now, ends, board),
-            Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", 1.0 / self.device.period)),
+            Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", Text(1.0 / self.device.period))),
             Command::Rate(Some(hz)) => self.rate(hz, now, ends),
             Command::SelfTest => match self.last.map(|t| t.outputs.mode) {
                 Some(ModeId::Idle) => self.selftest = Some(SelfTest::default()),
@@ -476,7 +477,8 @@ impl Desk {
         match self.watch_s {
             0.0 => self.ok(format_args!("watch off: the host may fall silent while it drives the handle")),
             seconds => self.ok(format_args!(
-                "watch {seconds} s: a driven handle is let go when no byte came for so long"
+                "watch {} s: a driven handle is let go when no byte came for so long",
+                Text(seconds)
             )),
         }
     }
@@ -576,7 +578,8 @@ impl Desk {
 fn moment(f: &FaultReport, line: &mut Line) -> core::fmt::Result {
     let (kind, step, during) = (f.kind, f.step, f.during.id());
     write!(line, "{kind} at step {step} while {during}: ")?;
-    write!(line, "handle {:.6} m {:.4} m/s, force {:.3} N", f.position, f.velocity, f.force)
+    let (position, velocity, force) = (Text(f.position), Text(f.velocity), Text(f.force));
+    write!(line, "handle {position:.6} m {velocity:.4} m/s, force {force:.3} N")
 }
 
 /// The device moves the handle because a host said so.

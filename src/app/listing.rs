@@ -3,6 +3,7 @@
 use crate::board::Board;
 use core::fmt::{self, Write};
 use friction::effects::EffectKind;
+use haptics::number::Text;
 use haptics::{Settings, settings};
 use link::HELP;
 
@@ -73,7 +74,7 @@ fn effect_parameters(
 fn parameter(settings: &Settings, at: usize, out: &mut impl Write) -> fmt::Result {
     let Some(p) = settings::PARAMETERS.get(at) else {
         let besides = effect_parameters(settings).nth(at - settings::PARAMETERS.len());
-        return besides.map_or(Ok(()), |(id, name, unit, x)| write!(out, "  {id}.{name} {x} {unit}"));
+        return besides.map_or(Ok(()), |(id, name, unit, x)| write!(out, "  {id}.{name} {} {unit}", Text(x)));
     };
     match settings.get(p.name) {
         Some(value) if p.unit == "-" => write!(out, "  {} {value}", p.name),

@@ -3,6 +3,7 @@
 
 use super::Telemetry;
 use core::fmt;
+use haptics::number::Text;
 use haptics::{Channel, Device, ModeId};
 
 /// Control periods looked at while at rest.
@@ -147,7 +148,7 @@ impl fmt::Display for Check {
         f.write_str(if self.passed { "pass  " } else { "FAIL  " })?;
         let advice = match self.finding {
             Finding::Loop { unevenness_us } => {
-                write!(f, "loop: samples within {unevenness_us:.2} us of the period")?;
+                write!(f, "loop: samples within {:.2} us of the period", Text(unevenness_us))?;
                 "; something keeps the processor from its step"
             }
             Finding::Encoder { counts, sign } => {
@@ -160,7 +161,7 @@ impl fmt::Display for Check {
                 }
             }
             Finding::LoadCell { newton, span, sign } => {
-                write!(f, "load cell: {newton:.3} N at rest, noise over {span} codes")?;
+                write!(f, "load cell: {:.3} N at rest, noise over {span} codes", Text(newton))?;
                 sign.write("reads", f)?;
                 match sign {
                     Sign::Wrong => "; exchange its two signal wires",
@@ -169,7 +170,7 @@ impl fmt::Display for Check {
                 }
             }
             Finding::Accelerometer { metre_per_second_squared, span, sign } => {
-                let a = metre_per_second_squared;
+                let a = Text(metre_per_second_squared);
                 write!(f, "accelerometer: {a:.2} m/s2 at rest, noise over {span} codes")?;
                 sign.write("reads", f)?;
                 match sign {
@@ -185,20 +186,21 @@ impl fmt::Display for Check {
                     "; put right what else failed, hands off, and repeat"
                 }
                 Pushed::Moved { millimetre, newton } => {
+                    let (newton, millimetre) = (Text(newton), Text(millimetre));
                     write!(f, "amplifier: {newton:.2} N moved the handle by {millimetre:.2} mm, off again")?;
                     "; more acceleration than that force can give: check its gain"
                 }
                 Pushed::Backwards => "amplifier: pushes the wrong way; exchange the motor's wires",
                 Pushed::Held { newton } => {
-                    write!(f, "amplifier: {newton:.2} N felt by the load cell, nothing moved")?;
+                    write!(f, "amplifier: {:.2} N felt by the load cell, nothing moved", Text(newton))?;
                     "; handle held or blocked: let go, and repeat"
                 }
                 Pushed::Nothing { newton } => {
-                    write!(f, "amplifier: up to {newton:.2} N and nothing felt it")?;
+                    write!(f, "amplifier: up to {:.2} N and nothing felt it", Text(newton))?;
                     "; check enable, supply and motor wires, or the handle is blocked: let go"
                 }
                 Pushed::Unseen { newton } => {
-                    write!(f, "amplifier: the accelerometer felt {newton:.2} N, off again")?;
+                    write!(f, "amplifier: the accelerometer felt {:.2} N, off again", Text(newton))?;
                     ""
                 }
                 Pushed::Fault => "amplifier: the push was ended by a fault; see `fault`",

@@ -1,5 +1,6 @@
 //! What validation answers: refused with the number that would be accepted, or taken with a warning.
 
+use crate::number::Text;
 use core::fmt;
 
 /// The values that would be accepted.
@@ -16,9 +17,9 @@ pub enum Accepted {
 impl fmt::Display for Accepted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::AtMost(high) => write!(f, "accepted up to {high}"),
-            Self::AtLeast(low) => write!(f, "accepted from {low}"),
-            Self::Between(low, high) => write!(f, "accepted from {low} to {high}"),
+            Self::AtMost(high) => write!(f, "accepted up to {}", Text(*high)),
+            Self::AtLeast(low) => write!(f, "accepted from {}", Text(*low)),
+            Self::Between(low, high) => write!(f, "accepted from {} to {}", Text(*low), Text(*high)),
         }
     }
 }
@@ -43,7 +44,7 @@ impl fmt::Display for Refused {
         if let Some(effect) = self.effect {
             write!(f, "{effect}.")?;
         }
-        write!(f, "{} = {}: {}; {}", self.parameter, self.value, self.accepted, self.why)
+        write!(f, "{} = {}: {}; {}", self.parameter, Text(self.value), self.accepted, self.why)
     }
 }
 
@@ -66,10 +67,17 @@ impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let faithful = match self.faithful {
             Accepted::AtMost(high) => {
-                return write!(f, "{} = {}: faithful up to {high}; {}", self.parameter, self.value, self.why);
+                let high = Text(high);
+                return write!(
+                    f,
+                    "{} = {}: faithful up to {high}; {}",
+                    self.parameter,
+                    Text(self.value),
+                    self.why
+                );
             }
-            Accepted::AtLeast(low) | Accepted::Between(low, _) => low,
+            Accepted::AtLeast(low) | Accepted::Between(low, _) => Text(low),
         };
-        write!(f, "{} = {}: faithful from {faithful}; {}", self.parameter, self.value, self.why)
+        write!(f, "{} = {}: faithful from {faithful}; {}", self.parameter, Text(self.value), self.why)
     }
 }

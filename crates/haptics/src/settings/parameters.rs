@@ -1,7 +1,7 @@
 //! Parameters by name, as a console and a file know them.
 
 use super::{LawKind, RendererKind, Settings};
-use crate::number;
+use crate::number::{self, Text};
 use core::fmt;
 
 /// One parameter as `help` shows it.
@@ -28,9 +28,9 @@ pub enum Value {
 
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(x) => write!(f, "{x}"),
-            Self::Pair(p, n) => write!(f, "{p} / {n}"),
+        match *self {
+            Self::Number(x) => write!(f, "{}", Text(x)),
+            Self::Pair(p, n) => write!(f, "{} / {}", Text(p), Text(n)),
             Self::Word(word) => f.write_str(word),
         }
     }

@@ -3,6 +3,7 @@
 use super::fit::{Accelerometer, Fit};
 use super::moments::{Moments, Units};
 use super::recorder::{BANDS, Number, Procedure};
+use crate::number::Text;
 use crate::{Device, LawKind, Settings};
 use core::fmt;
 use friction::Scalar;
@@ -77,7 +78,8 @@ impl fmt::Display for Unidentified {
             ),
             Self::Accelerometer { correlation } => write!(
                 f,
-                "the accelerometer does not follow the motion (correlation {correlation:.3}, at least 0.8 is needed)"
+                "the accelerometer does not follow the motion (correlation {:.3}, at least 0.8 is needed)",
+                Text(*correlation)
             ),
             Self::NotIdentifiable(name) => write!(f, "{name} cannot be told from the others by this motion"),
         }
