@@ -18,7 +18,7 @@ use crate::signal::derivative;
 use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
 use crate::track::{Channels, Noise, Track, choose_cutoff, dominant_frequency};
-use identify::Recording;
+use identify::{FaultKind, Recording, RecordingFault};
 use std::collections::BTreeMap;
 
 /// Names of the baseline's columns, and their units for a slide and for an axis.
@@ -82,6 +82,7 @@ pub fn diagnose(
             "mass and friction cannot be told apart on this motion: accelerate more",
         ));
     };
+    intake.faults.extend(implausible_mass(&baseline.fit, intake.rotary));
     let judged = judged.map(|mut j| {
         j.static_branch(intake.delta_v);
         j
@@ -103,6 +104,26 @@ fn with_nuisances(stretches: &[Channels], cutoff: f64) -> Option<Stage> {
         Some((delay, std)) if delay.abs() - 3.0 * std <= dt => Some(stage),
         _ => Stage::new(stretches, cutoff, false),
     }
+}
+
+/// A mass below zero is no mass: what was recorded as the force is not what accelerates this body.
+fn implausible_mass(fit: &Fit, rotary: bool) -> Option<RecordingFault> {
+    let (mass, std) = (*fit.coefficients.first()?, *fit.deviations.first()?);
+    if mass >= 0.0 {
+        return None;
+    }
+    let (what, unit) = if rotary { ("inertia", "kg·m²") } else { ("mass", "kg") };
+    let because = if mass + 3.0 * std < 0.0 {
+        "the force has the wrong sign, or is mostly something else than what accelerates this body (a pressure, a \
+         preload, a spring)"
+    } else {
+        "the motion is too slow, or the channels too noisy, for inertia to show"
+    };
+    Some(RecordingFault {
+        kind: FaultKind::Implausible,
+        at_s: None,
+        why: format!("the {what} that fits best is {mass:.4} ± {std:.4} {unit}: {because}"),
+    })
 }
 
 struct Run<'a> {
@@ -131,7 +152,8 @@ impl Run<'_> {
         if stage.delay {
             exclude.push("time_skew");
         }
-        let catalogue = Catalogue::new(stage, &noisy, &scales, &exclude);
+        let lines = crate::lines::fine(stage, &baseline.fit.residual, &scales, options.seed);
+        let catalogue = Catalogue::new(stage, &noisy, &scales, &lines, &exclude);
         let search = Search {
             stage,
             catalogue: &catalogue,

@@ -6,12 +6,13 @@ use crate::search::Hypothesis;
 use crate::term::{Stage, TermKind};
 use friction::effects::{Effect, EffectKind};
 use friction::{Karnopp, Law};
-use identify::{Geometry, Model, SensorEffect};
+use identify::{Geometry, Model, Preprocess, Recording, SensorEffect, prepare};
+use rayon::prelude::*;
 
 /// The model of a hypothesis, behind the filter at `cutoff` Hz.
 pub fn model(intake: &Intake, stage: &Stage, found: &Hypothesis, cutoff: f64) -> Model {
     let c = |i: usize| found.fit.coefficients.get(i).copied().unwrap_or(0.0);
-    // Sliding only was fitted: the static levels are those of sliding. A level that came out below zero is zero.
+    // Sliding only was fitted: the static levels are those of sliding, and Δv comes last. A level that came out below zero is zero.
     let (c_p, c_n) = (c(1).max(0.0), c(2).max(0.0));
     let law = Karnopp { c_p, c_n, b_p: c(3), b_n: c(4), d_p: c_p, d_n: c_n, delta_v: 0.0 };
     let mut model = Model {
@@ -52,7 +53,57 @@ pub fn model(intake: &Intake, stage: &Stage, found: &Hypothesis, cutoff: f64) ->
             }
         }
     }
+    model.law = Law::Karnopp(Karnopp { delta_v: rest_band(&model, intake, stage), ..law });
     model
+}
+
+/// Speeds tried for the band of rest, as shares of the top speed.
+const BANDS: [f64; 9] = [0.0025, 0.004, 0.0065, 0.01, 0.016, 0.025, 0.04, 0.065, 0.1];
+/// Samples it is chosen on, at most.
+const LONGEST: usize = 60_000;
+
+/// Δv of the law: speeds below it count as rest, where friction is whatever balances.
+///
+/// The fit looks at sliding only, but a prediction has to go through every reversal. There the force does not jump as
+/// sgn v does. The band with the smallest error of prediction, over all samples of the recordings that were fitted, is
+/// taken if it also is better than none in either half of them.
+fn rest_band(model: &Model, intake: &Intake, stage: &Stage) -> f64 {
+    let Law::Karnopp(law) = model.law else { return 0.0 };
+    let top = stage.tracks.iter().flat_map(|t| &t.v).fold(0.0f64, |m, v| m.max(v.abs()));
+    let mut left = LONGEST;
+    let mut parts = Vec::new();
+    for stretch in &intake.stretches {
+        let n = stretch.position.len().min(left);
+        left -= n;
+        let column = |c: &Option<Vec<f64>>| c.as_ref().map(|c| c[..n].to_vec());
+        let recording = Recording {
+            geometry: model.geometry,
+            time: (0..n).map(|i| i as f64 * stretch.dt).collect(),
+            position: stretch.position[..n].to_vec(),
+            force: stretch.force[..n].to_vec(),
+            velocity: column(&stretch.velocity),
+            acceleration: column(&stretch.acceleration),
+            normal_force: column(&stretch.normal),
+            ..Recording::default()
+        };
+        parts.extend(prepare(&recording, &Preprocess::Tribos { cutoff_hz: model.cutoff_hz }).ok());
+    }
+    let error = |band: f64| -> [f64; 2] {
+        let model = Model { law: Law::Karnopp(Karnopp { delta_v: band, ..law }), ..model.clone() };
+        let mut squares = Vec::new();
+        for part in &parts {
+            let (predicted, measured) =
+                (part.condition(&model.predict_signals(part)), part.condition(&part.force));
+            squares.extend(predicted.iter().zip(measured).map(|(p, m)| (p - m) * (p - m)));
+        }
+        let (early, late) = squares.split_at(squares.len() / 2);
+        [early.iter().sum(), late.iter().sum()]
+    };
+    let none = error(0.0);
+    let tried: Vec<(f64, [f64; 2])> =
+        BANDS.par_iter().map(|share| (share * top, error(share * top))).collect();
+    let best = tried.iter().min_by(|a, b| (a.1[0] + a.1[1]).total_cmp(&(b.1[0] + b.1[1])));
+    best.filter(|(_, e)| e[0] < none[0] && e[1] < none[1]).map_or(0.0, |(band, _)| *band)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::options::Error;
 use crate::signal::{LowPass, derivative};
 use crate::track::{Channels, dominant_frequency};
-use identify::{Geometry, Recording, RecordingFault, audit};
+use identify::{Geometry, Recording, RecordingFault, audit, without_outliers};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -46,7 +46,7 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         check_lengths(recording)?;
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
-        for mut stretch in cut(recording, index) {
+        for mut stretch in cut(&without_outliers(recording), index) {
             keep_trustworthy(&mut stretch);
             intake.stretches.push(stretch);
         }

@@ -39,6 +39,7 @@ mod floor;
 mod free_run;
 mod intake;
 mod linear;
+mod lines;
 mod locate;
 mod options;
 pub mod report;

@@ -25,7 +25,7 @@ impl Default for Options {
             declared_noise: None,
             cutoff_hz: None,
             seed: 1,
-            max_terms: 6,
+            max_terms: 8,
             beam_width: 3,
             exclude: Vec::new(),
         }

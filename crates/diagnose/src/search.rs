@@ -3,7 +3,7 @@
 
 use crate::flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::linear::{Basis, Fit, dot, fit};
-use crate::term::{Scales, Stage, Term, TermKind, gather};
+use crate::term::{Scales, Stage, Term, TermKind, gather, is_wave};
 use friction::effects::MAX_SHAPE;
 use rayon::prelude::*;
 
@@ -124,12 +124,17 @@ pub struct Catalogue {
 
 impl Catalogue {
     /// Evaluates the catalogue over its grid; `noisy` is the same stage with one more draw of sensor noise.
-    pub fn new(stage: &Stage, noisy: &Stage, scales: &Scales, exclude: &[&str]) -> Self {
+    ///
+    /// `lines` are wavelengths finer than the grid's that stand out of the residual.
+    pub fn new(stage: &Stage, noisy: &Stage, scales: &Scales, lines: &[f64], exclude: &[&str]) -> Self {
         let baseline = Basis::of(&stage.baseline);
         let mut terms = Vec::new();
         for kind in TermKind::all() {
             if !exclude.contains(&kind.id()) {
                 terms.extend(scales.grid(kind).into_iter().map(|shape| (kind, shape)));
+                if kind.shape().first().is_some_and(|p| is_wave(p.name)) {
+                    terms.extend(lines.iter().map(|line| (kind, [*line, 0.0])));
+                }
             }
         }
         let evaluate = |(kind, shape): &(TermKind, [f64; MAX_SHAPE])| -> Vec<Atom> {

@@ -311,6 +311,16 @@ impl Scales {
         }
     }
 
+    /// Shortest wavelength of the grid; finer ones are looked for by a scan (`lines`).
+    pub fn coarse_wave(&self) -> f64 {
+        (self.stroke.1 - self.stroke.0) / 40.0
+    }
+
+    /// Shortest wavelength that can be seen: what passes faster than the filter lets through is not there any more.
+    pub fn finest_wave(&self) -> f64 {
+        (0.7 * self.speed / self.cutoff).max(4.0 * self.fine).min(self.coarse_wave())
+    }
+
     /// Range of values worth trying for a shape parameter, inside what the effect accepts, and whether its
     /// scale is logarithmic.
     pub fn range(&self, parameter: &Parameter) -> (f64, f64, bool) {
@@ -322,7 +332,7 @@ impl Scales {
                 (0.5 / (20.0 * self.cutoff), 0.1 * self.duration.min(20.0 / self.cutoff), true)
             }
             "N" | "N·m" => (0.3 * self.force, 0.95 * self.force, false),
-            "m" | "rad" if is_wave(name) => (span / 40.0, 1.5 * span, true),
+            "m" | "rad" if is_wave(name) => (self.finest_wave(), 1.5 * span, true),
             "s" if name.contains("rest") => (1.0 / self.cutoff, 0.3 * self.duration, true),
             "s" => (0.03 * self.duration, self.duration, true),
             "m" | "rad" if name == "x_max" => {
@@ -350,7 +360,7 @@ impl Scales {
             let points = if is_wave(p.name) {
                 // Even in the number of waves over the stroke, half a wave apart: no line falls between.
                 let span = self.stroke.1 - self.stroke.0;
-                let (few, many) = ((span / high).max(0.5), span / low);
+                let (few, many) = ((span / high).max(0.5), span / low.max(self.coarse_wave()));
                 return (0..)
                     .map(|i| few + 0.4 * f64::from(i))
                     .take_while(|w| *w <= many)

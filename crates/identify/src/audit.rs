@@ -3,7 +3,11 @@
 mod agreement;
 mod channels;
 mod clock;
+mod outliers;
+mod plausible;
 mod spectrum;
+
+pub use outliers::without_outliers;
 
 use crate::Recording;
 use crate::stretches::{cut, used};
@@ -40,6 +44,10 @@ pub enum FaultKind {
     ConstantChannel,
     /// The body hardly moves.
     TooLittleMotion,
+    /// Samples far from all their neighbours.
+    Outliers,
+    /// Numbers that no bench of this kind gives: another unit than the header says, or the wrong sign.
+    Implausible,
 }
 
 /// One fault. Serialises as an entry of `recording_faults`.
@@ -107,6 +115,8 @@ pub fn audit(recording: &Recording) -> Audit {
     clock::declared(recording, dt, &mut out.faults);
     channels::values(recording, &mut out.faults);
     channels::motion(recording, &mut out.faults);
+    outliers::far_from_neighbours(recording, &mut out.faults);
+    plausible::units(recording, dt, &mut out.faults);
     let stretches = cut(&recording.time, &used(recording), dt);
     if let Some(longest) = stretches.iter().max_by_key(|s| s.range.len()) {
         clock::renumbered(recording, longest, &mut out.faults);

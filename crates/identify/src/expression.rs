@@ -7,8 +7,8 @@ use std::str::FromStr;
 /// Parentheses and signs within each other.
 const DEEPEST: usize = 64;
 
-/// A parsed map. Each entry is `COLUMN=EXPRESSION`; an expression is made of variables of the file, numbers, `+ - * /`
-/// and parentheses. A variable of one element is a constant, and `index` counts samples from 0. A name with other
+/// A parsed map. Each entry is `COLUMN=EXPRESSION`; an expression is made of variables of the file, numbers, `+ - * /`,
+/// parentheses, `min(a, b)` and `max(a, b)`. A variable of one element is a constant, and `index` counts samples from 0. A name with other
 /// characters than letters, digits and `_` is put in quotes. The columns of a CSV file without header are `c1`, `c2`, …
 ///
 /// ```
@@ -37,6 +37,7 @@ enum Expression {
     /// Name, and its place in the text.
     Variable(String, usize),
     Negative(Box<Expression>),
+    /// `+ - * /`, `<` for min and `>` for max.
     Binary(char, Box<Expression>, Box<Expression>),
 }
 
@@ -185,6 +186,10 @@ impl Expression {
                     '+' => left + right,
                     '-' => left - right,
                     '*' => left * right,
+                    // not f64::min, which would hide a value that is not there
+                    '<' | '>' if left.is_nan() || right.is_nan() => f64::NAN,
+                    '<' => left.min(right),
+                    '>' => left.max(right),
                     _ => left / right,
                 }
             }
@@ -320,7 +325,25 @@ impl Parser<'_> {
                 let why = format!("{}, accepted is a variable, a number or `(`", self.found());
                 return Err(self.error(start, why));
             }
-            return Ok(Expression::Variable(self.name()?, start));
+            let quoted = matches!(self.peek(), Some('"' | '\''));
+            let name = self.name()?;
+            let operator = match name.as_str() {
+                "min" if !quoted => '<',
+                "max" if !quoted => '>',
+                _ => return Ok(Expression::Variable(name, start)),
+            };
+            if !self.take('(') {
+                return Ok(Expression::Variable(name, start));
+            }
+            let left = self.sum()?;
+            if !self.take(',') {
+                return Err(self.error(self.at, format!("{}, accepted is `,`", self.found())));
+            }
+            let right = self.sum()?;
+            if !self.take(')') {
+                return Err(self.error(self.at, format!("{}, accepted is `)`", self.found())));
+            }
+            return Ok(Expression::Binary(operator, Box::new(left), Box::new(right)));
         }
         while let Some(c) = self.peek() {
             let exponent_sign = matches!(c, '+' | '-')

@@ -1,6 +1,6 @@
 //! Recordings in and out, their audit, and friction identified from them.
 //!
-//! A [`Recording`] is read from CSV or MATLAB v5, [`audit`]ed, [`prepare`]d into [`Signals`] behind one stated
+//! A [`Recording`] is read from CSV, JSON or MATLAB v5, [`audit`]ed, [`prepare`]d into [`Signals`] behind one stated
 //! zero-phase filter, and fitted: [`identify_karnopp`] (thesis eq. 3.5 to 3.9) or [`identify_dahl`] (eq. 3.2, 3.3,
 //! 3.10, σ included). The answer is an [`Identification`], and as a [`Model`] it predicts, simulates, and is a
 //! preset of the device.
@@ -19,6 +19,7 @@ mod error;
 mod expression;
 mod filter;
 mod identification;
+mod json_io;
 mod karnopp;
 mod linear;
 mod mat_io;
@@ -37,7 +38,7 @@ mod sources;
 mod static_level;
 mod stretches;
 
-pub use audit::{Audit, FaultKind, RecordingFault, audit};
+pub use audit::{Audit, FaultKind, RecordingFault, audit, without_outliers};
 pub use calibrate::{Calibration, calibrate_accelerometer};
 pub use dahl::{DahlOptions, DahlStart, identify_dahl};
 pub use error::{Error, Place};

@@ -17,9 +17,14 @@ const COMPRESSED: u32 = 15;
 
 pub(crate) fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Recording, Error> {
     let variables = variables(bytes).map_err(|why| Error::File { file: file.into(), why })?;
+    assemble(file, &variables, map)
+}
+
+/// The recording that the variables of a file make, by a map or by their own names.
+pub(crate) fn assemble(file: &str, variables: &[Variable], map: Option<&Map>) -> Result<Recording, Error> {
     let has = variables.iter().map(Variable::says).collect::<Vec<_>>().join(", ");
     let Some(map) = map else {
-        return named(file, &variables, &has);
+        return named(file, variables, &has);
     };
     let lookup = |name: &str| variables.iter().find(|v| v.name == name)?.values.as_deref();
     let made = map.apply(lookup, &has)?;
@@ -61,13 +66,13 @@ fn named(file: &str, variables: &[Variable], has: &str) -> Result<Recording, Err
 }
 
 /// A variable of the file.
-struct Variable {
-    name: String,
+pub(crate) struct Variable {
+    pub name: String,
     /// `double`, `struct`, …
-    kind: &'static str,
-    size: Vec<i32>,
+    pub kind: &'static str,
+    pub size: Vec<i32>,
     /// Elements in the file's order, if it is a real numeric array.
-    values: Option<Vec<f64>>,
+    pub values: Option<Vec<f64>>,
 }
 
 impl Variable {

@@ -1,6 +1,6 @@
 //! A recording: columns of equal length in SI units, and what is known about them.
 
-use crate::{Error, Map, csv_io, mat_io};
+use crate::{Error, Map, csv_io, json_io, mat_io};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -53,7 +53,8 @@ pub struct ReadOptions {
 }
 
 impl Recording {
-    /// Reads a recording: MATLAB v5 if the file is called `.mat` or begins as one, CSV otherwise.
+    /// Reads a recording: MATLAB v5 if the file is called `.mat` or begins as one, JSON if it is called `.json`, CSV
+    /// otherwise.
     ///
     /// # Errors
     /// Names the file, the line and the column, what was found and what would be accepted.
@@ -62,9 +63,11 @@ impl Recording {
         let file = path.display().to_string();
         let bytes =
             std::fs::read(path).map_err(|e| Error::File { file: file.clone(), why: e.to_string() })?;
-        let named_mat = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mat"));
-        let mut recording = if named_mat || bytes.starts_with(b"MATLAB 5.0") {
+        let named = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+        let mut recording = if named("mat") || bytes.starts_with(b"MATLAB 5.0") {
             mat_io::read(&file, &bytes, options.map.as_ref())?
+        } else if named("json") {
+            json_io::read(&file, &bytes, options.map.as_ref())?
         } else {
             csv_io::read(&file, &bytes, options.map.as_ref())?
         };

@@ -28,17 +28,17 @@ pub enum PreprocessChoice {
 /// Recordings to read.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Recordings {
-    /// Recordings: CSV with units in the header, or .mat (v5) with --map
+    /// Recordings: CSV with units in the header, or .mat (v5) or .json with --map
     #[arg(required = true, value_name = "REC")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub mapping: Mapping,
 }
 
-/// What the variables of a .mat file mean.
+/// What the variables of a .mat or .json file mean.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct Mapping {
-    /// Signals from variables of a .mat file, e.g. position_m=qm,force_n=gtau*vir; time is `t` unless time_s=… says otherwise
+    /// Signals from variables of a .mat or .json file, e.g. position_m=qm,force_n=gtau*vir; time of a .mat is `t` unless time_s=… says otherwise
     #[arg(long, value_name = "SIGNAL=VARIABLE,…")]
     pub map: Option<String>,
 }

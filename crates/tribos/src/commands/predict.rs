@@ -14,7 +14,7 @@ pub struct Args {
     /// Model, as `identify --out` and `diagnose --out` write it
     #[arg(long, value_name = "model.toml")]
     model: PathBuf,
-    /// Recording: CSV with units in the header, or .mat (v5) with --map
+    /// Recording: CSV with units in the header, or .mat (v5) or .json with --map
     #[arg(value_name = "REC")]
     recording: PathBuf,
     /// Prediction to write, CSV: time_s and force_n (torque_nm) at every sample

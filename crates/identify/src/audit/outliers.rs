@@ -1,0 +1,131 @@
+//! Samples that are far from all their neighbours: a bad contact, a lost bit, a cosmic ray; no body moves like that.
+
+use super::{FaultKind, RecordingFault};
+use crate::Recording;
+use crate::noise::quantum;
+
+/// Distance from the median of five that counts, in standard deviations of that distance.
+const FAR: f64 = 12.0;
+/// The same, as a share of the channel's spread: what is smaller does no harm and may be the body's own.
+const LARGE: f64 = 0.3;
+
+/// Indices of the outliers of a channel.
+///
+/// At most two in a row: a plateau of three or more is something that lasted. The median of five keeps the steps that
+/// dry friction makes.
+fn outliers(series: &[f64]) -> Vec<usize> {
+    if series.len() < 32 {
+        return Vec::new();
+    }
+    let mut distance = vec![0.0; series.len()];
+    for (i, w) in series.windows(5).enumerate() {
+        let mut sorted = [w[0], w[1], w[2], w[3], w[4]];
+        sorted.sort_by(f64::total_cmp);
+        distance[i + 2] = if sorted.iter().all(|x| x.is_finite()) { w[2] - sorted[2] } else { 0.0 };
+    }
+    let quantile = |of: &mut Vec<f64>, share: f64| -> f64 {
+        of.sort_by(f64::total_cmp);
+        of.get(((of.len() as f64 - 1.0) * share).round().max(0.0) as usize).copied().unwrap_or(0.0)
+    };
+    // The sample itself is the median of a monotonic five; what is told from others is the rest.
+    let mut sizes: Vec<f64> = distance.iter().map(|d| d.abs()).filter(|d| *d > 0.0).collect();
+    let usual = 1.4826 * quantile(&mut sizes, 0.4);
+    let mut values: Vec<f64> = series.iter().copied().filter(|x| x.is_finite()).collect();
+    let spread = quantile(&mut values, 0.9) - quantile(&mut values, 0.1);
+    let far = (FAR * usual.max(quantum(series))).max(LARGE * spread);
+    if !(far > 0.0) {
+        return Vec::new();
+    }
+    let is_far = |i: usize| distance.get(i).is_some_and(|d| d.abs() > far);
+    (0..series.len())
+        .filter(|&i| {
+            let run = 1
+                + (1..3).take_while(|k| is_far(i + k)).count()
+                + (1..3).take_while(|k| i >= *k && is_far(i - k)).count();
+            is_far(i) && run <= 2
+        })
+        .collect()
+}
+
+/// Channels a sensor measures.
+fn measured(name: &str) -> bool {
+    ["position", "velocity", "acceleration", "force", "torque", "normal_force"]
+        .iter()
+        .any(|q| name.starts_with(q))
+}
+
+pub(super) fn far_from_neighbours(recording: &Recording, out: &mut Vec<RecordingFault>) {
+    for (name, values) in recording.columns().into_iter().filter(|(name, _)| measured(name)) {
+        let found = outliers(values);
+        if let Some(first) = found.first() {
+            let share = 100.0 * found.len() as f64 / values.len().max(1) as f64;
+            let why = format!(
+                "{name} has {} far from all their neighbours ({share:.2} %), the first {:.4e}",
+                if found.len() == 1 { "a sample".into() } else { format!("{} samples", found.len()) },
+                values[*first]
+            );
+            out.push(RecordingFault::new(FaultKind::Outliers, recording.time.get(*first).copied(), why));
+        }
+    }
+}
+
+/// The recording with every outlier replaced by the straight line between its neighbours; the audit names them.
+#[must_use]
+pub fn without_outliers(recording: &Recording) -> Recording {
+    let mut out = recording.clone();
+    let mend = |values: &mut Vec<f64>| {
+        for i in outliers(values) {
+            let before = values[..i].iter().rposition(|x| x.is_finite());
+            // the next that is no outlier: two in a row are the most
+            let near = |a: f64, b: f64, c: f64| (a - b).abs() <= (a - c).abs();
+            let after = (i + 1..values.len()).find(|&j| {
+                values[j].is_finite() && before.is_none_or(|b| near(values[j], values[b], values[i]))
+            });
+            if let (Some(b), Some(a)) = (before, after) {
+                values[i] = values[b] + (values[a] - values[b]) * (i - b) as f64 / (a - b) as f64;
+            }
+        }
+    };
+    mend(&mut out.position);
+    mend(&mut out.force);
+    for optional in [&mut out.velocity, &mut out.acceleration, &mut out.normal_force].into_iter().flatten() {
+        mend(optional);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spikes_are_told_from_steps_peaks_and_noise() {
+        let mut seed = 1u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as f64 / 2f64.powi(31) - 0.5
+        };
+        let clean: Vec<f64> = (0..2000)
+            .map(|i| {
+                let t = f64::from(i) * 0.01;
+                2.0 * t.sin().signum() + (3.0 * t).cos() + 0.2 * noise()
+            })
+            .collect();
+        assert!(outliers(&clean).is_empty(), "{:?}", outliers(&clean));
+        assert!(outliers(&vec![1.0; 100]).is_empty());
+        let mut spiked = clean.clone();
+        for i in [100, 500, 501, 1500] {
+            spiked[i] += 30.0;
+        }
+        assert_eq!(outliers(&spiked), [100, 500, 501, 1500]);
+        let recording = Recording { force: spiked, position: clean.clone(), ..Recording::default() };
+        let mended = without_outliers(&recording);
+        let worst = mended.force.iter().zip(&clean).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("worst sample after mending: {worst:.3}");
+        assert!(worst < 0.5 && mended.position == clean);
+        // a plateau is something that lasted
+        let mut plateau = clean;
+        plateau[700..705].fill(40.0);
+        assert!(outliers(&plateau).is_empty());
+    }
+}
