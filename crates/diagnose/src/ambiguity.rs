@@ -87,6 +87,10 @@ pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, Strin
             out.push(Blind { effect: id.into(), because: because.clone(), experiment: bench.shows(id) });
             continue;
         }
+        // told by comparing the channels, which every motion allows
+        if crate::channel::OF_CHANNELS.iter().any(|(e, ..)| *e == id) {
+            continue;
+        }
         let atoms: Vec<&Atom> = search.catalogue.atoms.iter().filter(|a| a.term.kind == kind).collect();
         if atoms.iter().any(|a| is_testable(a)) {
             continue;

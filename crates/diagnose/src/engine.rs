@@ -1,6 +1,7 @@
 //! The steps in order.
 
 use crate::ambiguity::{blind, equivalents, rejected};
+use crate::drift;
 use crate::experiment::Bench;
 use crate::flips::gain_interval;
 use crate::floor::{Floor, floor, systematic};
@@ -60,6 +61,7 @@ pub fn diagnose(
     progress(0.05, "filter and baseline");
     if let Some(first) = Stage::new(&intake.stretches, cutoff, false) {
         intake.static_branch(static_branch::delta_v(&first.tracks));
+        intake.take_out(&drift::find(&first, train.len()));
     }
     let Some(stage) = with_nuisances(&intake.stretches, cutoff) else {
         return Ok(untestable(
@@ -84,6 +86,9 @@ pub fn diagnose(
     };
     intake.faults.extend(implausible_mass(&baseline.fit, intake.rotary));
     let judged = judged.map(|mut j| {
+        if let Some(first) = Stage::new(&j.stretches, cutoff, false) {
+            j.take_out(&drift::find(&first, validate.len()));
+        }
         j.static_branch(intake.delta_v);
         j
     });
@@ -152,10 +157,13 @@ impl Run<'_> {
         if stage.delay {
             exclude.push("time_skew");
         }
+        // comparing the channels says more about it than any force
+        exclude.push("velocity_lag");
         let lines = crate::lines::fine(stage, &baseline.fit.residual, &scales, options.seed);
         let catalogue = Catalogue::new(stage, &noisy, &scales, &lines, &exclude);
         let search = Search {
             stage,
+            noisy: &noisy,
             catalogue: &catalogue,
             scales: &scales,
             floor: floor.rms * floor.rms * rows,
@@ -204,6 +212,14 @@ impl Run<'_> {
             equivalent.extend(entry.indistinguishable_from.iter().cloned());
             missing.push(entry);
         }
+        let of_channels = crate::channel::missing(
+            &self.intake.channel,
+            stage,
+            &found.fit.coefficients,
+            rotary,
+            options.seed,
+        );
+        missing.extend(of_channels.into_iter().filter(|m| !options.exclude.contains(&m.effect)));
         missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         let explained_by_unnamed = unnamed.as_ref().map(|u| u.rms_heldout_after);
         missing.extend(unnamed);
@@ -243,7 +259,7 @@ impl Run<'_> {
             schema: SCHEMA,
             verdict,
             summary: String::new(),
-            recording_faults: self.intake.faults.clone(),
+            recording_faults: self.faults(&found),
             noise_floor: NoiseFloor { rms: floor.rms, unit: unit.into(), how: floor.how.into() },
             baseline: Baseline {
                 law: "karnopp".into(),
@@ -277,6 +293,25 @@ impl Run<'_> {
         diagnosis.summary = crate::words::summary(&diagnosis);
         progress(1.0, "done");
         diagnosis
+    }
+
+    /// What the audit said, and what only the fit could see.
+    fn faults(&self, found: &Hypothesis) -> Vec<RecordingFault> {
+        let mut faults = self.intake.faults.clone();
+        for (i, atom) in found.atoms.iter().enumerate() {
+            let channel = atom.gains(found.coefficients(&self.stage, i))[1];
+            if atom.term.kind.id() == "actuator_lag" && channel > 0.0 {
+                let lag = atom.term.shape[0];
+                let why = format!(
+                    "the force channel lags by a first order of {:.2} ms: a low-pass at {:.1} Hz that the motion does \
+                     not have",
+                    1e3 * lag,
+                    (std::f64::consts::TAU * lag).recip()
+                );
+                faults.push(RecordingFault::new(FaultKind::HiddenFilter, None, why));
+            }
+        }
+        faults
     }
 
     fn floor(&self) -> Floor {

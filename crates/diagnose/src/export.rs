@@ -41,7 +41,9 @@ pub fn model(intake: &Intake, stage: &Stage, found: &Hypothesis, cutoff: f64) ->
         match atom.term.kind {
             TermKind::Force(EffectKind::Offset) => model.nuisances.offset += gains[0],
             TermKind::Force(kind) => model.set_effect(Effect { kind, gains, shape }),
-            TermKind::Sensor(sensor) if sensor.id == "time_skew" => model.nuisances.delay_s += gains[0],
+            TermKind::Sensor(sensor) if sensor.id == "time_skew" => {
+                model.nuisances.delay_s += (gains[0] - gains[1]) * shape[0];
+            }
             TermKind::Sensor(sensor) => {
                 let named = |list: &[friction::effects::Parameter], values: &[f64], name: &str| {
                     list.iter().position(|p| p.name == name).and_then(|at| values.get(at)).copied()

@@ -45,7 +45,7 @@ pub fn floor(stage: &Stage, residual: &[Vec<f64>], mass: f64, declared: Option<f
 }
 
 /// Share of the noise floor taken for regular.
-const REGULAR: f64 = 0.3;
+pub const REGULAR: f64 = 0.3;
 
 /// Force, rms, below which nothing is named although a long recording resolves it: there sit the sensors' own regular
 /// errors. The moment of a sample and the like are taken for a share of the floor; quantisation repeats with a motion

@@ -1,9 +1,13 @@
 //! From recordings to gap-free stretches: what the audit found is repaired where that is safe, and said.
 
+use crate::agreement::{Column, compare};
+use crate::channel::Channel;
+use crate::drift::Drift;
 use crate::options::Error;
+use crate::sensor::delayed;
 use crate::signal::{LowPass, derivative};
 use crate::track::{Channels, dominant_frequency};
-use identify::{Geometry, Recording, RecordingFault, audit, without_outliers};
+use identify::{FaultKind, Geometry, Recording, RecordingFault, audit, without_outliers};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -18,6 +22,8 @@ pub struct Intake {
     pub rotary: bool,
     /// Δv of the baseline and its uncertainty, where the recordings show a static branch.
     pub delta_v: Option<(f64, f64)>,
+    /// What was wrong with the motion channels of the recordings, and is repaired.
+    pub channel: Channel,
 }
 
 impl Intake {
@@ -30,6 +36,74 @@ impl Intake {
     }
 }
 
+impl Intake {
+    /// Takes straight lines out of the force channel.
+    pub fn take_out(&mut self, drifts: &[Drift]) {
+        for d in drifts {
+            for s in self.stretches.iter_mut().filter(|s| s.recording == d.recording) {
+                for (i, f) in s.force.iter_mut().enumerate() {
+                    *f -= d.slope.0 * (s.start + i as f64 * s.dt - d.middle);
+                }
+            }
+            let unit = if self.rotary { "N·m" } else { "N" };
+            let why = format!(
+                "the zero of the force channel drifts by {:.4} {unit} over {:.1} s (std {:.4}), whichever way the body \
+                 moves: a straight line is taken out",
+                d.slope.0 * d.duration,
+                d.duration,
+                d.slope.1 * d.duration
+            );
+            self.faults.push(RecordingFault::new(FaultKind::ForceDrift, None, why));
+        }
+    }
+}
+
+/// Lag of a velocity column, in samples, that is undone; a later one is left out.
+const MENDED: f64 = 2.0;
+
+impl Intake {
+    /// Compares the motion channels of one recording, says what is wrong, and advances a velocity that is late.
+    fn mend(&mut self, stretches: &mut [Channels]) {
+        let Some(dt) = stretches.first().map(|s| s.dt) else { return };
+        let (velocity, acceleration) = compare(stretches);
+        if let Some(column) = velocity
+            && let Some((lag, _)) = column.late(dt)
+        {
+            for s in stretches.iter_mut() {
+                s.velocity = s.velocity.take().filter(|_| lag <= MENDED * dt).map(|v| delayed(&v, -lag, dt));
+            }
+            let known =
+                self.faults.iter().any(|f| f.kind == FaultKind::HiddenFilter && f.why.contains("velocity"));
+            if !known {
+                let made = if column.is_backward_difference(dt) { ", a backward difference" } else { "" };
+                let done = if lag <= MENDED * dt { "advanced by that" } else { "left out" };
+                let why =
+                    format!("the velocity column is {:.3} ms behind the position{made}: {done}", 1e3 * lag);
+                self.faults.push(RecordingFault::new(FaultKind::HiddenFilter, None, why));
+            }
+            if !column.is_backward_difference(dt) {
+                self.channel.velocity = Some(column);
+            }
+        }
+        if let Some(column) = acceleration.filter(off) {
+            let why = format!(
+                "the acceleration column is {:.3} (std {:.3}) times the position's second derivative and shows {:.3} (std \
+                 {:.3}) at zero: scaled and shifted to agree",
+                column.scale.0, column.scale.1, column.zero.0, column.zero.1
+            );
+            self.faults.push(RecordingFault::new(FaultKind::AccelerationScale, None, why));
+            self.channel.acceleration = Some(column);
+        }
+    }
+}
+
+/// Whether scale or zero of an acceleration column are off by more than chance and three percent.
+fn off(column: &Column) -> bool {
+    let (scale, scale_std) = column.scale;
+    let (zero, zero_std) = column.zero;
+    (scale - 1.0).abs() > (5.0 * scale_std).max(0.03) || zero.abs() > 8.0 * zero_std
+}
+
 /// Shortest stretch worth keeping, samples.
 const SHORTEST: usize = 64;
 
@@ -37,8 +111,14 @@ const SHORTEST: usize = 64;
 pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
     let first = recordings.first().ok_or(Error::NoRecording)?;
     let rotary = first.geometry == Geometry::Rotary;
-    let mut intake =
-        Intake { stretches: Vec::new(), faults: Vec::new(), names: Vec::new(), rotary, delta_v: None };
+    let mut intake = Intake {
+        stretches: Vec::new(),
+        faults: Vec::new(),
+        names: Vec::new(),
+        rotary,
+        delta_v: None,
+        channel: Channel::default(),
+    };
     for (index, recording) in recordings.iter().enumerate() {
         if recording.geometry != first.geometry {
             return Err(Error::MixedGeometry { name: recording.name.clone() });
@@ -46,7 +126,9 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         check_lengths(recording)?;
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
-        for mut stretch in cut(&without_outliers(recording), index) {
+        let mut stretches = cut(&without_outliers(recording), index);
+        intake.mend(&mut stretches);
+        for mut stretch in stretches {
             keep_trustworthy(&mut stretch);
             intake.stretches.push(stretch);
         }

@@ -30,7 +30,10 @@
 //! report.
 #![forbid(unsafe_code)]
 
+mod agreement;
 mod ambiguity;
+mod channel;
+mod drift;
 mod engine;
 mod experiment;
 mod export;
@@ -51,6 +54,7 @@ mod stage;
 mod static_branch;
 mod term;
 mod track;
+mod transport;
 mod unnamed;
 mod words;
 
@@ -64,5 +68,7 @@ pub use result::{
 /// Ids of every effect a diagnosis can name, in the order of the catalogue.
 #[must_use]
 pub fn effect_ids() -> Vec<&'static str> {
-    term::TermKind::all().iter().map(term::TermKind::id).collect()
+    let named: Vec<&str> = term::TermKind::all().iter().map(term::TermKind::id).collect();
+    let others = channel::OF_CHANNELS.iter().map(|e| e.0).filter(|id| !named.contains(id));
+    named.iter().copied().chain(others).collect()
 }

@@ -166,7 +166,8 @@ pub fn is_testable(atom: &Atom) -> bool {
 fn needed_reliability(kind: TermKind) -> f64 {
     match kind {
         // Their noise is the acceleration's own noise seen again: it correlates with the residual.
-        TermKind::Sensor(s) if ["compliance", "backlash", "encoder_eccentricity"].contains(&s.id) => 0.99,
+        TermKind::Sensor(s) if s.id == "encoder_eccentricity" => 0.99,
+        TermKind::Sensor(s) if ["compliance", "backlash"].contains(&s.id) => 0.9,
         _ => 0.7,
     }
 }
@@ -188,6 +189,8 @@ fn reliability(other: &[Vec<f64>], baseline: &Basis, atom: &Atom) -> f64 {
 pub struct Search<'a> {
     /// The regression.
     pub stage: &'a Stage,
+    /// The same with one more draw of the sensors' noise.
+    pub noisy: &'a Stage,
     /// The catalogue on it.
     pub catalogue: &'a Catalogue,
     /// Scales for refining shapes.
@@ -230,7 +233,7 @@ impl Search<'_> {
             best = found.clone();
             beam = kept;
         }
-        let best = self.simplify(best);
+        let best = crate::transport::settle(self, self.simplify(best));
         Some(self.prune(best, start))
     }
 
@@ -405,7 +408,8 @@ impl Search<'_> {
     fn extend(&self, from: &Hypothesis) -> Vec<Hypothesis> {
         let basis = Basis::of(&Hypothesis::columns(self.stage, &from.atoms));
         let residual = &from.fit.residual;
-        // The best shape of each effect, with and without shared directions.
+        // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
+        // that is tried too short would need more than the whole force.
         let gains: Vec<(f64, &Atom, Vec<Vec<f64>>)> = self
             .catalogue
             .testable()
@@ -413,7 +417,12 @@ impl Search<'_> {
             .filter(|atom| !from.has(atom.term.kind))
             .map(|atom| {
                 let rest: Vec<Vec<f64>> = atom.columns.iter().map(|c| basis.project_out(c)).collect();
-                (Basis::of(&rest).captured(residual), atom, rest)
+                let alone = match &rest[..] {
+                    [only] => atom.physical(&[dot(only, residual) / dot(only, only)]),
+                    _ => true,
+                };
+                let captured = if alone { Basis::of(&rest).captured(residual) } else { 0.0 };
+                (captured, atom, rest)
             })
             .collect();
         let mut ranked: Vec<(f64, &Atom, Vec<Vec<f64>>)> = Vec::new();

@@ -1,6 +1,7 @@
 //! From channels to a regression: stretches, weights, blocks, and one more draw of the sensors' noise.
 
 use crate::linear::{Blocks, fit};
+use crate::signal::derivative;
 use crate::term::Stage;
 use crate::track::{Channels, Track};
 use rand::SeedableRng;
@@ -88,8 +89,10 @@ impl Stage {
         // A motion in one direction only has nothing to say about the other.
         self.baseline.retain(|c| c.iter().any(|x| *x != 0.0));
         if self.delay && self.baseline.len() == 5 {
-            let rates = crate::sensor::ALL.iter().find(|s| s.id == "time_skew");
-            self.baseline.extend(rates.and_then(|s| self.sensor_columns(s, &[0.0; 2]).pop()));
+            // below a sample the first term of the shift is all there is of it
+            let late =
+                self.rows(|t| t.pass(&derivative(&t.f, t.raw.dt).iter().map(|r| -r).collect::<Vec<_>>()));
+            self.baseline.push(late);
         }
     }
 
@@ -139,6 +142,7 @@ impl Stage {
             })
             .collect();
         out.model_force(coefficients);
+        out.fill();
         out
     }
 

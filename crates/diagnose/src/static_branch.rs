@@ -15,6 +15,9 @@ const SPAN: f64 = 0.4;
 const SIDE: usize = 2;
 /// The step in standard errors; samples follow each other, so more than the textbook's.
 const SURE: f64 = 6.0;
+/// Scatter below the edge over that above: what merely balances goes from one level of friction to the other, a law of
+/// sliding at low speed has a value.
+const WANDERS: f64 = 3.0;
 /// What may change above the edge, as a share of the step.
 const FLAT: f64 = 0.25;
 
@@ -35,12 +38,13 @@ pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
             *bin = (bin.0 + e, bin.1 + e * e, bin.2 + 1.0);
         }
     }
-    // mean and squared standard error over some bins
-    let over = |from: usize, to: usize| -> Option<(f64, f64)> {
+    // mean, squared standard error and variance over some bins
+    let over = |from: usize, to: usize| -> Option<(f64, f64, f64)> {
         let (sum, squares, count) =
             bins.get(from..to)?.iter().fold((0.0, 0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
         let mean = sum / count;
-        (count >= 20.0).then(|| (mean, (squares / count - mean * mean).max(0.0) / count))
+        let variance = (squares / count - mean * mean).max(0.0);
+        (count >= 20.0).then_some((mean, variance / count, variance))
     };
     let steps = |edge: &usize| -> Option<bool> {
         let edge = *edge;
@@ -49,7 +53,8 @@ pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
         let jump = (below.0 - above.0).abs();
         let error = (below.1 + above.1).sqrt();
         let flat = (above.0 - further.0).abs() < FLAT * jump;
-        Some(flat && jump > SURE * error)
+        let wanders = below.2 > WANDERS * WANDERS * above.2;
+        Some(flat && wanders && jump > SURE * error)
     };
     // the highest: rest itself is a step, too, at the bottom of the band
     let edge = (1..BINS).rfind(|edge| steps(edge) == Some(true))?;

@@ -86,6 +86,8 @@ impl TermKind {
                 out
             }
             "frictional_lag" => vec![each(&all[..1]), each(&all)],
+            // one way in time or the other
+            "time_skew" | "actuator_lag" => all.iter().map(|g| each(&[*g])).collect(),
             "cogging" => vec![each(&all[..2]), each(&all)],
             _ if pairs.is_empty() => vec![each(&all)],
             _ => {
@@ -185,7 +187,7 @@ impl Stage {
         }
     }
 
-    pub(crate) fn sensor_columns(&self, sensor: &Sensor, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+    fn sensor_columns(&self, sensor: &Sensor, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
         let mut out = vec![Vec::with_capacity(self.weight.len()); sensor.gains.len()];
         for track in &self.tracks {
             for (column, series) in out.iter_mut().zip((sensor.columns)(track, shape)) {
@@ -328,7 +330,8 @@ impl Scales {
         let name = parameter.name;
         let (low, high, log) = match parameter.unit {
             "m/s" | "rad/s" => (0.7 * self.slow, 1.5 * self.speed, true),
-            "s" if name.contains("lag") || name.contains("delay") => {
+            "Hz" => (0.1 * self.cutoff, 2.0 * self.cutoff, true),
+            "s" if name == "tau" || name.contains("lag") || name.contains("delay") => {
                 (0.5 / (20.0 * self.cutoff), 0.1 * self.duration.min(20.0 / self.cutoff), true)
             }
             "N" | "N·m" => (0.3 * self.force, 0.95 * self.force, false),

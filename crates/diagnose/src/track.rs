@@ -210,6 +210,7 @@ impl Track {
         let guard = self.guard();
         // as far as an edge of the velocity is smeared
         let ring = (0.75 / (sharper * dt)).ceil() as usize;
+        let mean = moving_mean(&self.v, ring);
         let mut unknown = Vec::new();
         let mut i = 0;
         let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
@@ -225,14 +226,8 @@ impl Track {
                 i += 1;
             }
             let after = if i < n { self.v[i].signum() } else { direction };
-            // How long a body that merely passes through would stay: from the velocity a little outside.
-            let reach = ring.max(3);
-            let outer = |j: usize| self.v[j.min(n - 1)].abs();
-            let slope = ((outer(start.saturating_sub(reach)) - guard).max(0.0)
-                + (outer(i + reach - 1) - guard).max(0.0))
-                / (2.0 * reach as f64 * dt);
-            let expected = 2.0 * guard / slope.max(1e-300);
-            let stays = (i - start) as f64 * dt;
+            // Averaged, the noise of a body at rest stays below half the guard, and what slides slowly does not.
+            let slowest = mean[start..i].iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
             // The most likely moment of the crossing is the last change of sign inside.
             let change =
                 (start.max(1)..i).rev().find(|&j| self.v[j] * after > 0.0 && self.v[j - 1] * after <= 0.0);
@@ -241,7 +236,7 @@ impl Track {
                 self.sign[j] = if j < change { direction } else { after };
             }
             // A reversal, a rest, or the static branch. A moment's error at a reversal is twice the Coulomb force for that moment.
-            if after != direction || self.raw.static_band > 0.0 || stays > (3.0 * dt).max(2.0 * expected) {
+            if after != direction || self.raw.static_band > 0.0 || slowest < 0.5 * guard {
                 unknown.push((start.saturating_sub(ring), (i + ring).min(n)));
             }
             direction = after;
@@ -397,6 +392,20 @@ pub fn dominant_frequency(channels: &Channels) -> f64 {
     let velocity = derivative(&coarse, step as f64 * channels.dt);
     let size = deviation(&coarse);
     if size > 0.0 { rms(&velocity) / (2.0 * PI * size) } else { 0.0 }
+}
+
+/// Mean over `half` samples to either side, fewer at the ends.
+fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; series.len() + 1];
+    for (i, x) in series.iter().enumerate() {
+        sums[i + 1] = sums[i] + x;
+    }
+    (0..series.len())
+        .map(|i| {
+            let (low, high) = (i.saturating_sub(half), (i + half + 1).min(series.len()));
+            (sums[high] - sums[low]) / (high - low) as f64
+        })
+        .collect()
 }
 
 fn deviation(series: &[f64]) -> f64 {

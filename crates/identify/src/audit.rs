@@ -34,6 +34,10 @@ pub enum FaultKind {
     VelocityScale,
     /// The velocity column is not the derivative of the position.
     VelocityMismatch,
+    /// The acceleration column has another scale or zero than the second derivative of the position.
+    AccelerationScale,
+    /// The zero of the force channel drifts.
+    ForceDrift,
     /// A channel was low-passed before it was recorded.
     HiddenFilter,
     /// A channel sits at its largest or smallest value.
@@ -82,7 +86,9 @@ impl Audit {
 }
 
 impl RecordingFault {
-    pub(crate) fn new(kind: FaultKind, at_s: Option<f64>, why: String) -> Self {
+    /// A fault of this kind, at a time to the nanosecond.
+    #[must_use]
+    pub fn new(kind: FaultKind, at_s: Option<f64>, why: String) -> Self {
         // To the nanosecond: a sum of periods has rounding in its last places.
         let at_s =
             at_s.filter(|t| t.is_finite()).map(|t| if t.abs() < 1e6 { (t * 1e9).round() / 1e9 } else { t });

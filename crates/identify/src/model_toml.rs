@@ -15,7 +15,8 @@
 //! offset = 0.01            # N, added by the force channel
 //! delay_s = 0.0            # s, force behind position
 //! cutoff_hz = 40.0         # Hz, of the zero-phase filter of a prediction
-//! actuator_lag.share = 1.0 # further effects of sensors and drive
+//! saturation.share = -1.0  # further effects of sensors and drive
+//! saturation.limit = 9.0
 //!
 //! [std]                    # standard deviations, by the names of [preset]
 //! mass = 0.0045

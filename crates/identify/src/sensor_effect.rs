@@ -56,10 +56,13 @@ macro_rules! effects {
 }
 
 effects! {
-    /// F = F_m + share·(F_m − F_m behind a first-order lag).
+    /// F = F_m + command·T·dF_m/dt + channel·(F_m behind 1/(T·s + 1) − F_m), T = lag: a recorded command that runs ahead
+    /// of the force, or a force channel that lags.
     ActuatorLag "actuator_lag" {
-        /// Share of the force that lags.
-        share: -2.0 to 2.0,
+        /// Share of the force that follows a recorded command.
+        command: 0.0 to 2.0,
+        /// Share of the force that its channel shows late.
+        channel: 0.0 to 2.0,
         /// Time constant, s.
         lag: 1e-5 to 0.5,
     }
@@ -91,15 +94,19 @@ effects! {
         /// Travel per turn of the encoder, m.
         wavelength: 1e-6 to 100.0,
     }
-    /// F = F_m + snap·d²a/dt²: two masses with a spring between them.
+    /// F = F_m + mass·(a₂ − a), a₂ = a behind the resonance of a load on a spring: two masses.
     Compliance "compliance" {
-        /// m₁·m₂/k, N·s⁴/m.
-        snap: -1e6 to 1e6,
+        /// Mass of the load, kg.
+        mass: 0.0 to 1e6,
+        /// At which the load would swing with the drive held, Hz.
+        frequency: 0.1 to 1e4,
+        /// Damping ratio of that.
+        damping: 0.02 to 0.6,
     }
-    /// F = F_m + mass·a while the distance since the last change of sign of F_m is below the gap.
+    /// F = F_m + mass·(a₂ − a), a₂ = the acceleration of a load that flies freely within a play and is caught at its ends.
     Backlash "backlash" {
-        /// Minus the mass that is out of contact, kg.
-        mass: -1e6 to 1e6,
+        /// Mass of the load, kg.
+        mass: 0.0 to 1e6,
         /// Play, m.
         gap: 1e-7 to 1.0,
     }
@@ -111,8 +118,10 @@ impl SensorEffect {
         let dt = motion.dt;
         let slope = |series: &[f64]| four_point_difference(series, dt);
         match *self {
-            Self::ActuatorLag { share, lag } => {
-                lagged(model, lag, dt).iter().zip(model).map(|(slow, f)| share * (f - slow)).collect()
+            Self::ActuatorLag { command, channel, lag } => {
+                let rate = slope(model);
+                let slow = lagged(model, lag, dt);
+                (0..model.len()).map(|i| command * lag * rate[i] + channel * (slow[i] - model[i])).collect()
             }
             Self::VelocityLag { force, lag } => {
                 let sign: Vec<f64> =
@@ -130,26 +139,58 @@ impl SensorEffect {
                 };
                 slope(&slope(&motion.position.iter().map(wave).collect::<Vec<f64>>()))
             }
-            Self::Compliance { snap } => {
-                slope(&slope(motion.acceleration)).iter().map(|d| snap * d).collect()
+            Self::Compliance { mass, frequency, damping } => {
+                let drive = motion.acceleration;
+                let load = hung(drive, frequency, damping, dt);
+                load.iter().zip(drive).map(|(load, a)| mass * (load - a)).collect()
             }
             Self::Backlash { mass, gap } => {
-                let mut travelled = f64::INFINITY;
-                let mut added = vec![0.0; model.len()];
-                for i in 1..model.len() {
-                    if model[i] * model[i - 1] < 0.0 {
-                        travelled = 0.0;
-                    } else {
-                        travelled += (motion.position[i] - motion.position[i - 1]).abs();
-                    }
-                    if travelled < gap {
-                        added[i] = mass * motion.acceleration[i];
-                    }
-                }
-                added
+                let load = loose(motion.position, gap, dt);
+                load.iter().zip(motion.acceleration).map(|(load, a)| mass * (load - a)).collect()
             }
         }
     }
+}
+
+/// Acceleration of a load that hangs on `drive` by a spring and a damper: it swings at `frequency` Hz with the drive held.
+/// Trapezoidal rule, started in step.
+fn hung(drive: &[f64], frequency: f64, damping: f64, dt: f64) -> Vec<f64> {
+    let (w, k) = (std::f64::consts::TAU * frequency, 2.0 / dt);
+    let (spring, damper) = (w * w, 2.0 * damping * w * k);
+    let a0 = k * k + damper + spring;
+    let start = drive.first().copied().unwrap_or(0.0);
+    let ([mut x1, mut x2], [mut y1, mut y2]) = ([start; 2], [start; 2]);
+    drive
+        .iter()
+        .map(|&x| {
+            let driven = (damper + spring) * x + 2.0 * spring * x1 + (spring - damper) * x2;
+            let y = (driven - 2.0 * (spring - k * k) * y1 - (k * k - damper + spring) * y2) / a0;
+            ([x1, x2], [y1, y2]) = ([x, x1], [y, y1]);
+            y
+        })
+        .collect()
+}
+
+/// Acceleration of a load behind a play `gap`: free inside it, caught at its ends.
+fn loose(drive: &[f64], gap: f64, dt: f64) -> Vec<f64> {
+    let half = 0.5 * gap;
+    let (mut x, mut v) = (drive.first().copied().unwrap_or(0.0), 0.0_f64);
+    let mut before = x;
+    drive
+        .iter()
+        .map(|&at| {
+            let speed = (at - before) / dt;
+            before = at;
+            let was = v;
+            x += v * dt;
+            if x > at + half {
+                (x, v) = (at + half, v.min(speed));
+            } else if x < at - half {
+                (x, v) = (at - half, v.max(speed));
+            }
+            (v - was) / dt
+        })
+        .collect()
 }
 
 /// A first-order lag with time constant `lag`, started in its steady state.

@@ -112,8 +112,9 @@ pub(super) fn renumbered(recording: &Recording, stretch: &Stretch, out: &mut Vec
         }
         let spread = (i - 4..i).chain(i + 1..i + 5).map(|k| (step(k) - usual).abs()).fold(noise, f64::max);
         let share = step(i) / usual;
+        // a step has √2 of the noise, and a recording has tens of thousands of them
         let excess = step(i) - usual;
-        if share > 1.7 && (share - share.round()).abs() < 0.3 && excess.abs() > 4.0 * spread && i > last + 4 {
+        if share > 1.7 && (share - share.round()).abs() < 0.3 && excess.abs() > 6.0 * spread && i > last + 4 {
             found.push((time[i], share.round() - 1.0));
             last = i;
         }

@@ -23,6 +23,9 @@ pub(crate) const PAIRS: &[(&str, &str)] = &[
     ("presliding", "spring"),
 ];
 
+/// Share of an effect left by the baseline (U) below which a recording hides it.
+pub(crate) const HIDES: f64 = 0.1;
+
 /// What a case is for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Purpose {
@@ -60,6 +63,8 @@ pub(crate) struct Scene {
     pub hidden: Vec<Hidden>,
     /// Times the noise that were reached.
     pub reached: Vec<f64>,
+    /// Share of what is hidden, all of it together, that mass, Coulomb and viscous friction do not absorb (U).
+    pub left: f64,
     /// What was recorded, without noise.
     pub recorded: (History, Channels),
     /// The same bench on another motion.
@@ -178,7 +183,16 @@ pub(crate) fn stage(planned: &Planned, seconds: f64) -> Scene {
     };
     let recorded = make(&programme);
     let again = make(&Programme::new(seconds, planned.seed ^ 0x6167_6169));
-    Scene { bench, body, hidden, reached, recorded, again }
+    let left = share_left(&recorded.0, &recorded.1);
+    Scene { bench, body, hidden, reached, left, recorded, again }
+}
+
+/// Share of the force beyond the baseline that the baseline cannot absorb, rms over rms; 0 where there is none.
+fn share_left(history: &History, seen: &Channels) -> f64 {
+    let (sum, count) = (0..seen.y.len())
+        .filter(|&i| history.slides[i])
+        .fold((0.0, 0.0), |(sum, count), i| (sum + seen.beyond[i].powi(2), count + 1.0));
+    if sum > 0.0 { unabsorbed(history, seen) / f64::sqrt(sum / count) } else { 0.0 }
 }
 
 /// Rms over sliding samples of what is left of the force beyond the baseline after the baseline took what it can.
@@ -213,6 +227,17 @@ pub(crate) fn unabsorbed(history: &History, seen: &Channels) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_no_motion_shows_is_absorbed_by_the_baseline_and_nothing_else_is() {
+        for kind in ALL {
+            let planned =
+                Planned { purpose: Purpose::Hidden { first: kind, second: None, strength: 1.0 }, seed: 11 };
+            let left = stage(&planned, 8.0).left;
+            println!("{:<28} {:.1} % left", kind.id, 100.0 * left);
+            assert_eq!(left < HIDES, kind.never, "{}", kind.id);
+        }
+    }
 
     #[test]
     fn every_effect_reaches_the_strength_it_is_asked_for() {

@@ -1,6 +1,6 @@
 //! Recordings onto disk, and the labels beside them, under a name that says what to do with them.
 
-use super::cases::{Extent, Planned, Purpose, Scene, stage};
+use super::cases::{Extent, HIDES, Planned, Purpose, Scene, stage};
 use super::sensors::{record, truth};
 use crate::failure::{Failure, Result};
 use crate::{files, reading};
@@ -31,6 +31,8 @@ pub(crate) struct Label {
     pub concealed: Vec<Concealed>,
     /// Name of the decoy.
     pub decoy: String,
+    /// Share of what is hidden that the baseline cannot absorb (U).
+    pub left: f64,
     /// The baseline's parameters, SI.
     pub baseline: BTreeMap<String, f64>,
 }
@@ -143,7 +145,8 @@ fn label(case: usize, planned: &Planned, scene: &Scene, seconds: f64) -> Label {
         Purpose::Hidden { first, .. } if !first.never && concealed.iter().any(missed) => "unreached",
         Purpose::Null => "null",
         Purpose::Decoy(_) => "decoy",
-        Purpose::Hidden { first, .. } if first.never => "never",
+        // by what the plant shows, not by the name of what is hidden
+        Purpose::Hidden { .. } if scene.left < HIDES => "never",
         Purpose::Hidden { second: Some(_), .. } => "pair",
         Purpose::Hidden { .. } => "single",
     };
@@ -159,6 +162,7 @@ fn label(case: usize, planned: &Planned, scene: &Scene, seconds: f64) -> Label {
         case,
         kind: kind.into(),
         concealed,
+        left: scene.left,
         decoy: if let Purpose::Decoy(d) = planned.purpose { d.id.into() } else { String::new() },
         baseline: baseline.into_iter().map(|(n, v)| (n.to_string(), v)).collect(),
     }

@@ -1,0 +1,61 @@
+//! A force channel whose zero drifts: taken out before anything is named, because a force that changes with time without
+//! asking for the direction is the amplifier's, and friction that changes with time is not.
+//!
+//! The straight line in time is fitted jointly with the baseline, forces along the stroke of either kind, and friction
+//! that changes with time: what is left to the line is what none of them can have made.
+
+use crate::linear::fit;
+use crate::search::FOLDS;
+use crate::term::Stage;
+use crate::track::Track;
+
+/// Slope over its standard deviation that counts.
+const SURE: f64 = 5.0;
+/// Root mean square of the line over the noise floor that matters.
+const MATTERS: f64 = 0.3;
+
+/// The drift of one recording's force channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Index of the recording.
+    pub recording: usize,
+    /// N/s or N·m/s, with its standard deviation.
+    pub slope: (f64, f64),
+    /// Time at which the line is zero, s.
+    pub middle: f64,
+    /// Length of the recording, s.
+    pub duration: f64,
+}
+
+/// Recordings of which the force channel drifts, `recordings` of them.
+pub fn find(stage: &Stage, recordings: usize) -> Vec<Drift> {
+    (0..recordings).filter_map(|r| of(stage, r)).collect()
+}
+
+fn of(stage: &Stage, recording: usize) -> Option<Drift> {
+    let own = |t: &Track| t.raw.recording == recording;
+    let times = stage.tracks.iter().filter(|t| own(t)).map(|t| (t.time(0), t.time(t.len())));
+    let (from, to) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (c, d)| (a.min(c), b.max(d)));
+    if !(to > from) || stage.baseline.len() < 5 {
+        return None;
+    }
+    let middle = 0.5 * (from + to);
+    let column = |of: &dyn Fn(&Track, usize) -> f64| {
+        stage.rows(|t| t.pass(&(0..t.len()).map(|i| of(t, i)).collect::<Vec<_>>()))
+    };
+    let time = |t: &Track, i: usize| if own(t) { t.time(i) - middle } else { 0.0 };
+    let mut columns: Vec<Vec<f64>> = stage.baseline[..5].to_vec();
+    columns.push(column(&|t, i| time(t, i)));
+    columns.push(column(&|t, i| t.sign[i] * time(t, i)));
+    columns.push(column(&|t, i| t.x[i]));
+    columns.push(column(&|t, i| t.x[i].powi(2)));
+    columns.push(column(&|t, i| t.x[i].powi(3)));
+    columns.push(column(&|t, i| t.sign[i] * t.x[i]));
+    let found = fit(&columns, &stage.y, &stage.blocks, FOLDS)?;
+    let slope = (found.coefficients[5], found.deviations[5]);
+    let duration = to - from;
+    let noise =
+        stage.tracks.iter().map(|t| t.noise.force * t.filter.white_gain(t.stride)).fold(0.0, f64::max);
+    let matters = slope.0.abs() * duration / 12f64.sqrt() > MATTERS * noise;
+    (slope.0.abs() > SURE * slope.1 && matters).then_some(Drift { recording, slope, middle, duration })
+}
