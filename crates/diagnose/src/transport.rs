@@ -48,23 +48,23 @@ fn best(search: &Search, others: &[Atom]) -> Option<Term> {
         columns.extend(atom.columns.iter().cloned());
         shaken.extend(atom.active.iter().filter_map(|a| again.get(*a).cloned()));
     }
+    // what the draw adds to each column, and to the force: noise by itself
     let p = columns.len();
-    let gram = DMatrix::from_fn(p, p, |i, j| dot(&columns[i], &columns[j]));
+    for (again, column) in shaken.iter_mut().zip(&columns) {
+        subtract(again, column);
+    }
+    let force: Vec<f64> = noisy.y.iter().zip(&stage.y).map(|(n, y)| n - y).collect();
+    let gram = DMatrix::from_fn(p, p, |i, j| dot(&columns[i], &columns[j]) - dot(&shaken[i], &shaken[j]));
     let gram = gram.cholesky()?;
     let left = |term: &Term| -> Option<f64> {
-        let (own, again) = (stage.columns(term).pop()?, noisy.columns(term).pop()?);
-        let mut rest: Vec<f64> = stage.y.iter().zip(&own).map(|(y, x)| y - x).collect();
-        let mut noise: Vec<f64> =
-            noisy.y.iter().zip(&again).map(|(y, x)| y - x).zip(&rest).map(|(n, r)| n - r).collect();
-        let moment = DVector::from_fn(p, |i, _| dot(&columns[i], &rest));
-        let solution = gram.solve(&moment);
-        for ((c, column), again) in solution.iter().zip(&columns).zip(&shaken) {
-            for i in 0..rest.len() {
-                rest[i] -= c * column[i];
-                noise[i] -= c * (again[i] - column[i]);
-            }
-        }
-        let sum = dot(&rest, &rest) - dot(&noise, &noise);
+        let (own, mut again) = (stage.columns(term).pop()?, noisy.columns(term).pop()?);
+        subtract(&mut again, &own);
+        let mut rest = stage.y.clone();
+        subtract(&mut rest, &own);
+        let mut noise = force.clone();
+        subtract(&mut noise, &again);
+        let moment = DVector::from_fn(p, |i, _| dot(&columns[i], &rest) - dot(&shaken[i], &noise));
+        let sum = dot(&rest, &rest) - dot(&noise, &noise) - moment.dot(&gram.solve(&moment));
         sum.is_finite().then_some(sum)
     };
     let kinds = TermKind::all()
@@ -93,4 +93,10 @@ fn best(search: &Search, others: &[Atom]) -> Option<Term> {
         Term { shape: [time, 0.0], ..coarse }
     });
     lowest(fine.collect()).map(|(_, term)| term)
+}
+
+fn subtract(from: &mut [f64], what: &[f64]) {
+    for (x, y) in from.iter_mut().zip(what) {
+        *x -= y;
+    }
 }
