@@ -4,7 +4,7 @@ use crate::experiment::Bench;
 use crate::flips::block_scores;
 use crate::linear::{Basis, dot};
 use crate::result::{Blind, Rejected};
-use crate::search::{Atom, COLLINEAR, Hypothesis, Search, is_testable};
+use crate::search::{Atom, COLLINEAR, Hypothesis, ROUGH, Search, is_testable};
 use crate::term::{Stage, TermKind};
 
 /// Effects no motion can separate from another, with that other and the reason.
@@ -44,7 +44,7 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<String>
         }
         let mut atoms = others.clone();
         atoms.push(atom.clone());
-        let Some(rival) = Hypothesis::new(stage, atoms).map(|h| search.refine(h)) else { continue };
+        let Some(rival) = Hypothesis::new(stage, atoms).map(|h| search.refine(h, ROUGH)) else { continue };
         let Some(theirs) = rival.atoms.last().filter(|_| search.physical(&rival)) else { continue };
         let rest: Vec<Vec<f64>> = theirs.columns.iter().map(|c| basis.project_out(c)).collect();
         if Basis::of(&rest).captured(&contribution) < COLLINEAR * COLLINEAR * size {

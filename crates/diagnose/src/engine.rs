@@ -7,14 +7,15 @@ use crate::flips::gain_interval;
 use crate::floor::{Floor, floor, systematic};
 use crate::free_run::{self, Plant};
 use crate::intake::{Intake, take};
-use crate::linear::{Fit, dot, fit};
+use crate::joint::Joint;
+use crate::linear::{Fit, dot};
 use crate::locate::{locate, row_motion, row_times};
 use crate::options::{Error, Options};
 use crate::result::{
     After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Validation,
     Verdict,
 };
-use crate::search::{Atom, Catalogue, FOLDS, Hypothesis, Search};
+use crate::search::{Catalogue, Hypothesis, Search};
 use crate::signal::derivative;
 use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
@@ -173,7 +174,9 @@ impl Run<'_> {
             seed: options.seed,
         };
         progress(0.3, "naming");
-        let (found, p) = search.run(progress).unwrap_or_else(|| (baseline.clone(), Vec::new()));
+        let (mut found, p) = search.run(progress).unwrap_or_else(|| (baseline.clone(), Vec::new()));
+        let joint = Joint::of(&search, &found);
+        found.fit.deviations = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
 
         progress(0.85, "location");
         let columns = Hypothesis::columns(stage, &[]);
@@ -208,7 +211,7 @@ impl Run<'_> {
         let mut missing = Vec::new();
         let mut equivalent = Vec::new();
         for (i, p) in (0..found.atoms.len()).zip(&p) {
-            let entry = self.missing(&search, &found, i, *p, &bench);
+            let entry = self.missing(&search, &found, &joint, i, *p, &bench);
             equivalent.extend(entry.indistinguishable_from.iter().cloned());
             missing.push(entry);
         }
@@ -357,7 +360,15 @@ impl Run<'_> {
             .collect()
     }
 
-    fn missing(&self, search: &Search, found: &Hypothesis, i: usize, p: f64, bench: &Bench) -> Missing {
+    fn missing(
+        &self,
+        search: &Search,
+        found: &Hypothesis,
+        joint: &Joint,
+        i: usize,
+        p: f64,
+        bench: &Bench,
+    ) -> Missing {
         let stage = &self.stage;
         let atom = &found.atoms[i];
         let mut others = found.atoms.clone();
@@ -375,7 +386,7 @@ impl Run<'_> {
             effect: id.into(),
             says: atom.term.kind.says().into(),
             equation: atom.term.kind.equation().into(),
-            parameters: self.effect_parameters(search, found, i),
+            parameters: self.effect_parameters(joint, found, i),
             rms_heldout_before: before,
             rms_heldout_after: (found.fit.heldout_sum() / rows).sqrt(),
             gain_ci95: interval,
@@ -385,56 +396,13 @@ impl Run<'_> {
         }
     }
 
-    /// Gains and shape of term `i` with deviations that know about each other: the shape's own derivative is a
-    /// column of the fit.
-    fn effect_parameters(&self, search: &Search, found: &Hypothesis, i: usize) -> BTreeMap<String, Quantity> {
-        let stage = &self.stage;
+    /// Gains and shape of term `i`.
+    fn effect_parameters(&self, joint: &Joint, found: &Hypothesis, i: usize) -> BTreeMap<String, Quantity> {
         let atom = &found.atoms[i];
         let kind = atom.term.kind;
-        let mut columns: Vec<Vec<f64>> =
-            Hypothesis::columns(stage, &found.atoms).iter().map(|c| c.to_vec()).collect();
-        let coefficients = found.coefficients(stage, i).to_vec();
-        let mut slopes = Vec::new();
-        for (axis, parameter) in kind.shape().iter().enumerate() {
-            let (low, high, _) = search.scales.range(parameter);
-            let here = atom.term.shape[axis];
-            let step = (0.02 * here.abs()).max(1e-4 * (high - low));
-            let side = |sign: f64| -> Vec<f64> {
-                let mut term = atom.term;
-                term.shape[axis] = here + sign * step;
-                let other = Atom::new(stage, &search.catalogue.baseline, term);
-                let mut sum = vec![0.0; stage.y.len()];
-                if other.active == atom.active {
-                    for (c, column) in coefficients.iter().zip(&other.columns) {
-                        for (s, x) in sum.iter_mut().zip(column) {
-                            *s += c * x;
-                        }
-                    }
-                }
-                sum
-            };
-            let slope: Vec<f64> =
-                side(1.0).iter().zip(side(-1.0)).map(|(a, b)| (a - b) / (2.0 * step)).collect();
-            slopes.push(slope);
-        }
-        let own = found.offset(stage, i);
-        let plain = columns.len();
-        columns.extend(slopes.iter().cloned());
-        let joint = if slopes.iter().all(|s| dot(s, s) > 0.0) {
-            fit(&columns, &stage.y, &stage.blocks, FOLDS)
-        } else {
-            None
-        };
-        let deviation = |column: usize| -> f64 {
-            joint
-                .as_ref()
-                .or(Some(&found.fit))
-                .and_then(|f| f.deviations.get(column))
-                .copied()
-                .unwrap_or(f64::NAN)
-        };
+        let own = found.offset(&self.stage, i);
         let mut out = BTreeMap::new();
-        let gains = atom.gains(&coefficients);
+        let gains = atom.gains(found.coefficients(&self.stage, i));
         let groups = atom.term.free_gains();
         for (g, parameter) in kind.gains().iter().enumerate() {
             let column = groups
@@ -443,13 +411,11 @@ impl Run<'_> {
                 .and_then(|free| atom.active.iter().position(|a| *a == free));
             let Some(column) = column else { continue };
             let unit = self.unit_of(parameter.unit);
-            out.insert(
-                parameter.name.to_string(),
-                Quantity { value: gains[g], std: deviation(own + column), unit },
-            );
+            let std = joint.gain(own + column);
+            out.insert(parameter.name.to_string(), Quantity { value: gains[g], std, unit });
         }
         for (axis, parameter) in kind.shape().iter().enumerate() {
-            let std = if joint.is_some() { deviation(plain + axis) } else { f64::NAN };
+            let Some(std) = joint.shape(i, axis) else { continue };
             let unit = self.unit_of(parameter.unit);
             out.insert(parameter.name.to_string(), Quantity { value: atom.term.shape[axis], std, unit });
         }

@@ -33,13 +33,17 @@ pub fn floor(stage: &Stage, residual: &[Vec<f64>], mass: f64, declared: Option<f
     }
     let mut square = 0.0;
     let mut weight = 0.0;
+    let mut from = 0;
     for track in &stage.tracks {
         let white = track.filter.white_gain(track.stride);
         let force = declared.unwrap_or(track.noise.force) * white;
-        let rows = track.row_count() as f64;
-        square += rows * (force * force + (mass * track.noise.acceleration).powi(2));
+        let rows: f64 = stage.share[from..from + track.row_count()].iter().sum();
+        from += track.row_count();
+        square += rows * force * force;
         weight += rows;
     }
+    // as drawn behind the filter, the mask and the average of a row, all of which take from it
+    square += mass * mass * stage.blocks.noise.iter().sum::<f64>();
     let how = if declared.is_some() { "declared" } else { "local differences" };
     Floor { rms: (square / f64::max(weight, 1.0)).sqrt(), how, period: None }
 }

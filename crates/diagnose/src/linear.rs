@@ -114,7 +114,7 @@ struct Normal {
 pub struct Fit {
     /// Coefficients over all rows.
     pub coefficients: Vec<f64>,
-    /// Cluster-robust standard deviations (blocks as clusters).
+    /// Cluster-robust standard deviations: the jackknife over blocks.
     pub deviations: Vec<f64>,
     /// Residual over all rows.
     pub residual: Vec<f64>,
@@ -161,6 +161,12 @@ fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(p, p, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
+/// Least squares; none when the columns are dependent.
+pub fn solve<C: Borrow<[f64]>>(columns: &[C], y: &[f64]) -> Option<Vec<f64>> {
+    let whole = normal(columns, y, 0..y.len());
+    Some((inverse(&whole.gram)? * whole.moment).iter().copied().collect())
+}
+
 /// Fits `y` by `columns` and cross-validates over groups of contiguous blocks; a block on either side of a
 /// held-out group is a guard and is not used for its fit. None when the columns are dependent.
 ///
@@ -196,14 +202,7 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
             *r -= c * x;
         }
     }
-    let mut meat = DMatrix::zeros(p, p);
-    for n in &normals {
-        let score = &n.moment - &n.gram * &solution;
-        meat += &score * score.transpose();
-    }
-    meat *= k as f64 / (k as f64 - 1.0);
-    let sandwich = &cover * meat * &cover;
-    let deviations = (0..p).map(|i| sandwich[(i, i)].max(0.0).sqrt()).collect();
+    let deviations = deviations(&normals, &gram, &moment, &solution, &cover);
 
     let folds = folds.clamp(2, k);
     let mut heldout = vec![0.0; k];
@@ -240,6 +239,28 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
         heldout,
         heldout_prediction,
     })
+}
+
+/// Standard deviations by leaving out one block at a time (CR3; MacKinnon, Nielsen and Webb 2023): where a few blocks
+/// hold most of what is known about a coefficient the usual sandwich is too sure of it.
+fn deviations(
+    normals: &[Normal],
+    gram: &DMatrix<f64>,
+    moment: &DVector<f64>,
+    solution: &DVector<f64>,
+    cover: &DMatrix<f64>,
+) -> Vec<f64> {
+    let (p, k) = (solution.len(), normals.len() as f64);
+    let mut spread = DMatrix::zeros(p, p);
+    for n in normals {
+        let change = match inverse(&(gram - &n.gram)) {
+            Some(without) => without * (moment - &n.moment) - solution,
+            // all that is known of a coefficient is in this block
+            None => cover * (&n.moment - &n.gram * solution),
+        };
+        spread += &change * change.transpose();
+    }
+    (0..p).map(|i| (spread[(i, i)] * (k - 1.0) / k).max(0.0).sqrt()).collect()
 }
 
 #[cfg(test)]

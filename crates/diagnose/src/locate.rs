@@ -10,6 +10,9 @@ use crate::track::Track;
 
 /// Bins over one coordinate.
 const BINS: usize = 24;
+/// Bins over time: over it a mismatch can only drift. What comes and goes faster is the motion's own programme, and
+/// finer bins would find every mismatch in the parts that excite it.
+const TIMES: usize = 6;
 
 /// A coordinate of the plane in which the residual may show a pattern.
 struct Coordinate {
@@ -96,7 +99,7 @@ fn coordinates(stage: &Stage, rotary: bool) -> Vec<Coordinate> {
     let finite = |series: Vec<f64>| -> Vec<f64> {
         series.into_iter().map(|x| if x.is_finite() { x } else { f64::NAN }).collect()
     };
-    vec![
+    let mut all = vec![
         make("velocity", speed, velocity.clone()),
         Coordinate {
             logarithmic: true,
@@ -117,7 +120,11 @@ fn coordinates(stage: &Stage, rotary: bool) -> Vec<Coordinate> {
         make("time", "s", row_times(stage)),
         make("force", force, row_means(stage, |t| smooth(t, &t.force_model))),
         make("jerk", force_rate, row_means(stage, |t| derivative(&smooth(t, &t.force_model), t.raw.dt))),
-    ]
+    ];
+    if stage.tracks.iter().all(|t| t.normal.is_some()) {
+        all.push(make("load", force, row_means(stage, |t| t.normal.clone().unwrap_or_default())));
+    }
+    all
 }
 
 fn cut(index: usize, coordinate: &Coordinate, stage: &Stage) -> Option<Cut> {
@@ -139,21 +146,22 @@ fn cut(index: usize, coordinate: &Coordinate, stage: &Stage) -> Option<Cut> {
     if !(low < high) {
         return None;
     }
-    let edges: Vec<f64> = (0..=BINS)
+    let count = if coordinate.name == "time" { TIMES } else { BINS };
+    let edges: Vec<f64> = (0..=count)
         .map(|i| {
-            let share = i as f64 / BINS as f64;
+            let share = i as f64 / count as f64;
             if coordinate.logarithmic { low * (high / low).powf(share) } else { low + (high - low) * share }
         })
         .collect();
-    let mut members = vec![Vec::new(); BINS];
+    let mut members = vec![Vec::new(); count];
     for (row, v) in coordinate.values.iter().enumerate() {
         if !v.is_finite() || stage.share[row] <= 0.5 {
             continue;
         }
-        let bin = edges.partition_point(|e| e <= v).saturating_sub(1).min(BINS - 1);
+        let bin = edges.partition_point(|e| e <= v).saturating_sub(1).min(count - 1);
         members[bin].push(row);
     }
-    Some(Cut { coordinate: index, edges, members, tests: vec![None; BINS] })
+    Some(Cut { coordinate: index, edges, members, tests: vec![None; count] })
 }
 
 /// Odd coordinates fold onto themselves when the residual's sign follows the direction of motion; this tells
@@ -162,7 +170,7 @@ fn signs(stage: &Stage, coordinate: &Coordinate) -> Vec<f64> {
     let velocity = row_means(stage, |t| t.sign.clone());
     match coordinate.name {
         // Friction is odd: over |v| or x_r it would average out between the two directions.
-        "low_speed" | "distance_since_reversal" | "time_since_reversal" | "time" => {
+        "low_speed" | "distance_since_reversal" | "time_since_reversal" | "time" | "load" => {
             velocity.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect()
         }
         _ => vec![1.0; velocity.len()],

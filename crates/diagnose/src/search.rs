@@ -18,6 +18,10 @@ pub const COLLINEAR: f64 = 0.95;
 /// Smallest share of the mismatch above the floor for which a term is worth naming.
 const MATERIAL: f64 = 0.01;
 
+/// Steps of refinement while hypotheses compete, and for the one that is left.
+pub const ROUGH: usize = 6;
+const FINE: usize = 40;
+
 /// A term with its columns on the stage.
 #[derive(Debug, Clone)]
 pub struct Atom {
@@ -60,7 +64,7 @@ impl Atom {
     }
 
     /// Whether gains lie in the range their effect accepts: a fit that ends outside is naming another effect.
-    fn physical(&self, coefficients: &[f64]) -> bool {
+    pub fn physical(&self, coefficients: &[f64]) -> bool {
         let gains = self.gains(coefficients);
         self.term.kind.gains().iter().zip(gains).all(|(p, g)| g.is_finite() && g >= p.min && g <= p.max)
     }
@@ -225,63 +229,126 @@ impl Search<'_> {
             for h in next {
                 let kinds = kinds_of(&h);
                 if kept.len() < self.width && kept.iter().all(|k| kinds_of(k) != kinds) {
-                    kept.push(self.refine(h));
+                    kept.push(h);
                 }
             }
+            kept = kept.into_par_iter().map(|h| self.refine(h, ROUGH)).collect();
             kept.sort_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
             let Some(found) = kept.iter().find(|h| self.holds(&best, h, start)) else { break };
             best = found.clone();
             beam = kept;
         }
-        let best = crate::transport::settle(self, self.simplify(best));
-        Some(self.prune(best, start))
+        let best = crate::transport::settle(self, self.plain(self.simplify(best)));
+        Some(self.prune(self.refine(best, FINE), start))
     }
 
-    /// Replaces each term by the simplest one that explains this recording as well: a spring rather than friction
-    /// that depends on position with opposite slopes for the two directions.
-    fn simplify(&self, mut best: Hypothesis) -> Hypothesis {
-        let size = |a: &Atom| a.columns.len() + a.term.kind.shape().len();
+    /// Takes out of each term the gains that its recording does not ask for: the second harmonic, a second end of the
+    /// stroke, a difference between the directions. A line may stand at twice its wavelength as a second harmonic.
+    fn plain(&self, mut best: Hypothesis) -> Hypothesis {
         for i in 0..best.atoms.len() {
-            let mut others = best.atoms.clone();
-            let named = others.remove(i);
-            let basis = Basis::of(&Hypothesis::columns(self.stage, &others));
-            let own = self.contribution(&best, i, &basis);
-            let kept = |a: &Atom| -> f64 {
-                let rest: Vec<Vec<f64>> = a.columns.iter().map(|c| basis.project_out(c)).collect();
-                Basis::of(&rest).captured(&own)
-            };
-            let power = dot(&own, &own);
-            // A grid point is not the best shape yet: let in a little less and refine.
-            let mut simpler: Vec<(usize, f64, &Atom)> = self
-                .catalogue
-                .testable()
-                .into_iter()
-                .filter(|a| !best.has(a.term.kind) && size(a) < size(&named))
-                .map(|a| (size(a), kept(a), a))
-                .filter(|(_, kept, _)| *kept >= 0.8 * power)
+            let own = best.atoms[i].clone();
+            let kind = own.term.kind;
+            let mut shapes = vec![own.term.shape];
+            if let Some(wave) = kind.shape().iter().position(|p| crate::term::is_wave(p.name)) {
+                let mut half = own.term.shape;
+                half[wave] *= 0.5;
+                shapes.push(half);
+            }
+            let mut simpler: Vec<Hypothesis> = (0..kind.variants().len())
+                .flat_map(|variant| shapes.iter().map(move |shape| Term { kind, shape: *shape, variant }))
+                .filter_map(|term| {
+                    let mut atom = Atom::new(self.stage, &self.catalogue.baseline, term);
+                    atom.reliable = own.reliable;
+                    let fewer = is_testable(&atom) && atom.columns.len() < own.columns.len();
+                    let mut atoms = best.atoms.clone();
+                    atoms[i] = atom;
+                    fewer.then(|| Hypothesis::new(self.stage, atoms)).flatten()
+                })
+                .map(|h| self.refine(h, ROUGH))
+                .filter(|h| self.physical(h) && self.interval(h, &best)[0] <= 0.0)
                 .collect();
-            simpler.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-            let mut tried: Vec<TermKind> = Vec::new();
-            for (_, _, atom) in simpler {
-                if tried.contains(&atom.term.kind) {
-                    continue;
-                }
-                tried.push(atom.term.kind);
-                let mut atoms = others.clone();
-                atoms.insert(i, atom.clone());
-                let Some(rival) = Hypothesis::new(self.stage, atoms).map(|h| self.refine(h)) else {
-                    continue;
-                };
-                let as_good = kept(&rival.atoms[i]) >= COLLINEAR * COLLINEAR * power
-                    && self.interval(&rival, &best)[0] <= 0.0
-                    && self.physical(&rival);
-                if as_good {
-                    best = rival;
-                    break;
-                }
+            let size = |h: &Hypothesis| h.atoms[i].columns.len();
+            simpler.sort_by(|a, b| {
+                size(a).cmp(&size(b)).then(a.fit.heldout_sum().total_cmp(&b.fit.heldout_sum()))
+            });
+            if let Some(first) = simpler.into_iter().next() {
+                best = first;
             }
         }
         best
+    }
+
+    /// Replaces each term, and each two, by the simplest one that explains this recording as well: a spring rather than
+    /// friction that depends on position with opposite slopes for the two directions, a hardening spring rather than a
+    /// spring and a pendulum against it.
+    fn simplify(&self, mut best: Hypothesis) -> Hypothesis {
+        let count = best.atoms.len();
+        for i in 0..count {
+            if let Some(rival) = self.simpler(&best, &[i]) {
+                best = rival;
+            }
+        }
+        let mut pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j]));
+        while let Some(pair) = pairs.next() {
+            if let Some(rival) = self.simpler(&best, &pair) {
+                return self.simplify(rival);
+            }
+        }
+        best
+    }
+
+    /// The simplest hypothesis with one term in the place of the `group`, where one is as good.
+    fn simpler(&self, best: &Hypothesis, group: &[usize]) -> Option<Hypothesis> {
+        let size = |a: &Atom| a.columns.len() + a.term.kind.shape().len();
+        let of_group: usize = group.iter().map(|i| size(&best.atoms[*i])).sum();
+        let others: Vec<Atom> = best
+            .atoms
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| !group.contains(i))
+            .map(|(_, a)| a.clone())
+            .collect();
+        let basis = Basis::of(&Hypothesis::columns(self.stage, &others));
+        let mut own = vec![0.0; self.stage.y.len()];
+        for i in group {
+            for (sum, x) in own.iter_mut().zip(self.contribution(best, *i, &basis)) {
+                *sum += x;
+            }
+        }
+        let kept = |a: &Atom| -> f64 {
+            let rest: Vec<Vec<f64>> = a.columns.iter().map(|c| basis.project_out(c)).collect();
+            Basis::of(&rest).captured(&own)
+        };
+        let power = dot(&own, &own);
+        // A grid point is not the best shape yet: let in a little less and refine.
+        let mut simpler: Vec<(usize, f64, &Atom)> = self
+            .catalogue
+            .testable()
+            .into_iter()
+            .filter(|a| !best.has(a.term.kind) && size(a) < of_group)
+            .map(|a| (size(a), kept(a), a))
+            .filter(|(_, kept, _)| *kept >= 0.8 * power)
+            .collect();
+        simpler.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        let mut tried: Vec<TermKind> = Vec::new();
+        for (_, _, atom) in simpler {
+            if tried.contains(&atom.term.kind) {
+                continue;
+            }
+            tried.push(atom.term.kind);
+            let mut atoms = others.clone();
+            atoms.insert(group[0], atom.clone());
+            let Some(rival) = Hypothesis::new(self.stage, atoms).map(|h| self.refine(h, ROUGH)) else {
+                continue;
+            };
+            let as_good = kept(&rival.atoms[group[0]]) >= COLLINEAR * COLLINEAR * power
+                && self.interval(&rival, best)[0] <= 0.0
+                && self.physical(&rival);
+            if as_good {
+                return Some(rival);
+            }
+        }
+        None
     }
 
     /// What term `i` adds to the prediction, outside the span of `basis`.
@@ -398,7 +465,7 @@ impl Search<'_> {
                 }
             }
             match worst {
-                Some((_, without)) => best = self.refine(without),
+                Some((_, without)) => best = self.refine(without, FINE),
                 None => return (best, p),
             }
         }
@@ -462,77 +529,6 @@ impl Search<'_> {
             })
             .filter(|h| self.physical(h))
             .collect()
-    }
-
-    /// Improves the shapes of every term in turn, the others held: variable projection on each coordinate.
-    pub fn refine(&self, hypothesis: Hypothesis) -> Hypothesis {
-        let mut best = hypothesis;
-        for i in 0..best.atoms.len() {
-            for axis in 0..best.atoms[i].term.kind.shape().len().min(MAX_SHAPE) {
-                let mut others = best.atoms.clone();
-                let atom = others.remove(i);
-                let basis = Basis::of(&Hypothesis::columns(self.stage, &others));
-                let target = basis.project_out(&self.stage.y);
-                let value = |at: f64| -> (f64, Atom) {
-                    let mut term = atom.term;
-                    term.shape[axis] = at;
-                    let mut trial = Atom::new(self.stage, &self.catalogue.baseline, term);
-                    trial.reliable = atom.reliable;
-                    let rest: Vec<Vec<f64>> = trial.columns.iter().map(|c| basis.project_out(c)).collect();
-                    (Basis::of(&rest).captured(&target), trial)
-                };
-                let improved = self.golden(&atom, axis, value);
-                if let Some(improved) = improved {
-                    let mut atoms = others;
-                    atoms.insert(i, improved);
-                    if let Some(h) = Hypothesis::new(self.stage, atoms)
-                        && dot(&h.fit.residual, &h.fit.residual) < dot(&best.fit.residual, &best.fit.residual)
-                        && (self.physical(&h) || !self.physical(&best))
-                    {
-                        best = h;
-                    }
-                }
-            }
-        }
-        best
-    }
-
-    /// Golden-section search around the present value, one grid step to either side.
-    fn golden(&self, atom: &Atom, axis: usize, value: impl Fn(f64) -> (f64, Atom)) -> Option<Atom> {
-        let parameter = &atom.term.kind.shape()[axis];
-        let (low, high, log) = self.scales.range(parameter);
-        let here = atom.term.shape[axis];
-        if !(low < high) || here <= 0.0 && log {
-            return None;
-        }
-        let to = |x: f64| if log { x.ln() } else { x };
-        let from = |x: f64| if log { x.exp() } else { x };
-        let step = if crate::term::is_wave(parameter.name) {
-            // Lines are narrow: half the grid's spacing in waves per stroke.
-            (0.25 * here / (self.scales.stroke.1 - self.scales.stroke.0)).min(0.3)
-                * if log { 1.0 } else { here }
-        } else {
-            (to(high) - to(low)) / 9.0
-        };
-        let (mut a, mut b) = ((to(here) - step).max(to(low)), (to(here) + step).min(to(high)));
-        let ratio = 0.618_033_988_749_895;
-        let (mut c, mut d) = (b - ratio * (b - a), a + ratio * (b - a));
-        let (mut at_c, mut at_d) = (value(from(c)), value(from(d)));
-        for _ in 0..9 {
-            if at_c.0 > at_d.0 {
-                (b, d) = (d, c);
-                at_d = at_c;
-                c = b - ratio * (b - a);
-                at_c = value(from(c));
-            } else {
-                (a, c) = (c, d);
-                at_c = at_d;
-                d = a + ratio * (b - a);
-                at_d = value(from(d));
-            }
-        }
-        let found = if at_c.0 > at_d.0 { at_c } else { at_d };
-        (is_testable(&found.1)).then_some(found.1)
     }
 }
 

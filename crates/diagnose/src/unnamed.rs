@@ -20,8 +20,8 @@ pub fn find(search: &Search, found: &Hypothesis, left: &Located, start: f64) -> 
     let region = left.regions.iter().find(|r| r.p <= LEVEL)?;
     let (name, unit, values, edges) = left.tables.iter().find(|t| t.0 == region.coordinate)?;
     let base = Hypothesis::columns(stage, &found.atoms);
-    let directed =
-        ["low_speed", "distance_since_reversal", "time_since_reversal", "time"].contains(&name.as_str());
+    let directed = ["low_speed", "distance_since_reversal", "time_since_reversal", "time", "load"]
+        .contains(&name.as_str());
     let sign = stage.rows(|t| t.sign.clone());
     let mut steps = vec![vec![0.0; stage.y.len()]; STEPS];
     let per = edges.len().saturating_sub(1).div_ceil(STEPS).max(1);

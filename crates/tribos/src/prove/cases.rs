@@ -137,7 +137,8 @@ pub(crate) fn stage(planned: &Planned, seconds: f64) -> Scene {
     let rotary = random.random::<f64>() < 0.25 || kinds.iter().any(|k| k.rotary);
     let velocity = random.random::<bool>() || has("velocity_lag");
     let acceleration = random.random::<f64>() < 0.3;
-    let bench = Bench { half: if rotary { 1.0 } else { 0.01 }, rotary, velocity, acceleration };
+    let load = random.random::<f64>() < 0.3 || has("load_dependent_friction");
+    let bench = Bench { half: if rotary { 1.0 } else { 0.01 }, rotary, velocity, acceleration, load };
     let mut within = |low: f64, high: f64| random.random_range(low..high);
     let coulomb = within(1.2, 2.2);
     let viscous = within(0.03, 0.06);

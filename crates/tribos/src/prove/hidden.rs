@@ -1,5 +1,6 @@
 //! What can be hidden: every effect of the catalogue in equations of this module's own, each scaled by one size.
 
+use super::motion::LOAD;
 use super::plant::State;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -42,7 +43,7 @@ pub(crate) const ALL: &[Kind] = &[
     kind("rising_static_friction", REVERSAL, 0.5, 5.0),
     kind("friction_drift", &["time"], 0.3, 3.0),
     kind("position_dependent_friction", PLACE, 0.3, 1.5),
-    kind("load_dependent_friction", &["force", "acceleration"], 0.2, 0.9),
+    kind("load_dependent_friction", &["load"], 0.3, 3.0),
     kind("spring", PLACE, 0.3, 20.0),
     kind("nonlinear_spring", PLACE, 0.3, 20.0),
     Kind { rotary: true, ..kind("gravity", PLACE, 0.3, 20.0) },
@@ -128,7 +129,7 @@ impl Hidden {
             "position_dependent_friction" => g * y,
             "periodic_friction" => g * (TAU * y / self.wavelength() + self.phase).cos(),
             "friction_drift" => g * (-t.max(0.0) / self.time(seconds)).exp(),
-            "load_dependent_friction" => g * load.abs(),
+            "load_dependent_friction" => g * load,
             "rising_static_friction" => g * (1.0 - (-age / self.time(seconds)).exp()),
             "frictional_lag" if state.late != s => -2.0 * g,
             _ => 0.0,
@@ -175,7 +176,7 @@ impl Hidden {
             "quadratic_drag" => both("c", g / (10.0 * half * half)),
             "position_dependent_friction" => both("slope", g / half),
             "friction_drift" => [both("force", g), one("settling_time", self.time(seconds))].concat(),
-            "load_dependent_friction" => one("share", g),
+            "load_dependent_friction" => one("mu", g / LOAD),
             "frictional_lag" => [one("force", g), one("lag", self.time(seconds))].concat(),
             "spring" => one("stiffness", g / half),
             "nonlinear_spring" => one("cubic", g / half.powi(3)),

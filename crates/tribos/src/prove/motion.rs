@@ -30,7 +30,12 @@ enum Part {
 #[derive(Debug, Clone)]
 pub(crate) struct Programme {
     parts: Vec<(f64, f64, Part)>,
+    /// Frequency, share and phase of what the load on the contact does.
+    load: [(f64, f64, f64); 2],
 }
+
+/// Mean load on the contact, N or N·m.
+pub(crate) const LOAD: f64 = 10.0;
 
 impl Programme {
     /// A programme of `seconds`, drawn from `seed`; every part comes twice, in an order that is drawn.
@@ -53,7 +58,21 @@ impl Programme {
         if let Some(last) = parts.last_mut() {
             last.1 = f64::INFINITY;
         }
-        Self { parts }
+        let mut line = |share: f64| {
+            (
+                random.random_range(0.15..0.6),
+                share * random.random_range(0.8..1.2),
+                random.random_range(0.0..TAU),
+            )
+        };
+        let load = [line(0.35), line(0.2)];
+        Self { parts, load }
+    }
+
+    /// Load on the contact at `t`, which nothing but a law that asks for it feels.
+    pub(crate) fn load(&self, t: f64) -> f64 {
+        LOAD * (1.0
+            + self.load.iter().map(|(f, share, phase)| share * (TAU * f * t + phase).sin()).sum::<f64>())
     }
 
     /// Position asked for at `t`, in half strokes.

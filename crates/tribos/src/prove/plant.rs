@@ -7,7 +7,7 @@
 
 use super::RATE;
 use super::hidden::Hidden;
-use super::motion::Programme;
+use super::motion::{LOAD, Programme};
 use std::f64::consts::TAU;
 
 /// Steps per sample.
@@ -45,7 +45,7 @@ pub(crate) struct State {
     pub t: f64,
     /// Length of the recording, s.
     pub seconds: f64,
-    /// Force on the body.
+    /// Load on the contact, as a share of its mean.
     pub load: f64,
     /// Age of the contact, s.
     pub age: f64,
@@ -64,6 +64,8 @@ pub(crate) struct History {
     pub a: Vec<f64>,
     /// Force of what is hidden in the contact.
     pub extra: Vec<f64>,
+    /// Load on the contact, N or N·m.
+    pub load: Vec<f64>,
     /// Whether the body slides.
     pub slides: Vec<bool>,
     /// Force on the body, [`FINE`] a sample.
@@ -130,7 +132,8 @@ pub(crate) fn run(body: &Body, hidden: &[Hidden], programme: &Programme, seconds
             let command = stiffness * (asked - y) + damping * (asked_speed - w);
             real = if lag > 0.0 { real + (command - real) * (1.0 - (-h / lag).exp()) } else { command };
             let t = (sample as f64 + share) / RATE - warm;
-            let state = State { y, w, t, seconds, load: real, age, late };
+            let load = programme.load(t);
+            let state = State { y, w, t, seconds, load: load / LOAD, age, late };
             let even: f64 = hidden.iter().map(|e| e.force(&state)).sum();
             let bent: f64 = bristles.iter().map(|(reach, size, bend)| size * bend / reach).sum();
             let hung = second.as_ref().map_or(0.0, |s| s.pull(y, w));
@@ -159,6 +162,7 @@ pub(crate) fn run(body: &Body, hidden: &[Hidden], programme: &Programme, seconds
                     out.y.push(y);
                     out.w.push(w);
                     out.a.push(acceleration);
+                    out.load.push(load);
                     out.slides.push(after != 0.0 && w != 0.0);
                     out.extra.push(even + bent + s * (level - body.coulomb[side]) + inertia);
                 }

@@ -21,6 +21,8 @@ pub(crate) struct Bench {
     pub velocity: bool,
     /// An acceleration channel is recorded.
     pub acceleration: bool,
+    /// The load on the contact is recorded.
+    pub load: bool,
 }
 
 /// A fault of the recording that is not physics.
@@ -83,9 +85,8 @@ pub(crate) fn channels(history: &History, body: &Body, hidden: &[Hidden]) -> Cha
                 force.iter_mut().zip(&history.a).for_each(|(f, a)| *f += 0.3 * body.mass * a)
             }
             "saturation" => {
-                let mut sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
-                sizes.sort_by(f64::total_cmp);
-                let limit = sizes[(n * 9 / 10).min(n - 1)];
+                // of the bench, so that it is the same in its second recording
+                let limit = 0.5 * (body.force(60.0, 6.0) - body.force(-60.0, -6.0));
                 force.iter_mut().for_each(|f| *f -= g * (f.abs() - limit).max(0.0) * f.signum());
             }
             "encoder_eccentricity" => {
@@ -182,11 +183,12 @@ pub(crate) fn record(
     }
     r.velocity = (bench.velocity || is("velocity_scale")).then_some(velocity);
     r.acceleration = (bench.acceleration || is("accelerometer_error")).then_some(acceleration);
+    r.normal_force = bench.load.then(|| history.load.iter().map(|l| tidy(l + draw(NOISE), 1e-4)).collect());
     if is("lost_samples") {
         let kept: Vec<usize> = (0..n).filter(|_| random.random::<f64>() > 0.003).collect();
         for series in [Some(&mut r.time), Some(&mut r.position), Some(&mut r.force)]
             .into_iter()
-            .chain([r.velocity.as_mut(), r.acceleration.as_mut()])
+            .chain([r.velocity.as_mut(), r.acceleration.as_mut(), r.normal_force.as_mut()])
             .flatten()
         {
             *series = kept.iter().map(|&i| series[i]).collect();
@@ -207,6 +209,7 @@ pub(crate) fn truth(bench: &Bench, channels: &Channels, history: &History) -> Re
         force: channels.force.clone(),
         velocity: Some(scaled(&channels.w)),
         acceleration: Some(scaled(&history.a)),
+        normal_force: Some(history.load.clone()),
         reference: Some(scaled(&history.y)),
         ..Recording::default()
     }

@@ -1,0 +1,86 @@
+//! Deviations of everything that was fitted, gains and shapes of all terms and the baseline together: the derivative
+//! of every shape is a column of one more fit, so that each interval knows what the others may do.
+
+use crate::linear::{Basis, Fit, dot, fit};
+use crate::search::{Atom, FOLDS, Hypothesis, Search};
+
+/// The joint fit of a hypothesis, linear in its shapes around where they are.
+#[derive(Debug, Clone)]
+pub struct Joint {
+    deviations: Vec<f64>,
+    shapes: Vec<Vec<Shape>>,
+}
+
+/// What the recording says about a shape parameter.
+#[derive(Debug, Clone, Copy)]
+enum Shape {
+    /// Nothing depends on it: it belongs to a gain that is not in use.
+    Unused,
+    /// It acts like other parameters do: no interval.
+    Unidentified,
+    /// The column of its derivative.
+    Column(usize),
+}
+
+impl Joint {
+    /// Deviations of `found`.
+    pub fn of(search: &Search, found: &Hypothesis) -> Self {
+        let stage = search.stage;
+        let mut columns: Vec<Vec<f64>> =
+            Hypothesis::columns(stage, &found.atoms).iter().map(|c| c.to_vec()).collect();
+        let mut basis = Basis::of(&columns);
+        let mut shapes = Vec::new();
+        for (i, atom) in found.atoms.iter().enumerate() {
+            let slopes = (0..atom.term.kind.shape().len()).map(|axis| slope(search, found, i, axis));
+            let placed = slopes.map(|slope| {
+                let Some(slope) = slope else { return Shape::Unused };
+                // what is within rounding of the other columns is not told apart from them
+                let fresh = basis.project_out(&slope);
+                if dot(&fresh, &fresh) <= 1e-8 * dot(&slope, &slope) || !basis.push(&slope) {
+                    return Shape::Unidentified;
+                }
+                columns.push(slope);
+                Shape::Column(columns.len() - 1)
+            });
+            shapes.push(placed.collect());
+        }
+        let joint: Option<Fit> = fit(&columns, &stage.y, &stage.blocks, FOLDS);
+        Self { deviations: joint.map_or_else(|| found.fit.deviations.clone(), |f| f.deviations), shapes }
+    }
+
+    /// Deviation of column `i` of the hypothesis: baseline first, then each term's gains.
+    pub fn gain(&self, column: usize) -> f64 {
+        self.deviations.get(column).copied().unwrap_or(f64::NAN)
+    }
+
+    /// Deviation of a shape parameter, not a number where it is not identifiable; none where nothing depends on it.
+    pub fn shape(&self, atom: usize, axis: usize) -> Option<f64> {
+        match self.shapes.get(atom)?.get(axis)? {
+            Shape::Unused => None,
+            Shape::Unidentified => Some(f64::NAN),
+            Shape::Column(column) => Some(self.gain(*column)),
+        }
+    }
+}
+
+/// Change of the prediction per unit of a shape parameter; none where there is none.
+fn slope(search: &Search, found: &Hypothesis, i: usize, axis: usize) -> Option<Vec<f64>> {
+    let atom = &found.atoms[i];
+    let (low, high, _) = search.scales.range(&atom.term.kind.shape()[axis]);
+    let here = atom.term.shape[axis];
+    let step = (0.02 * here.abs()).max(1e-4 * (high - low));
+    let side = |sign: f64| -> Option<Vec<f64>> {
+        let mut term = atom.term;
+        term.shape[axis] = here + sign * step;
+        let other = Atom::new(search.stage, &search.catalogue.baseline, term);
+        let mut sum = vec![0.0; search.stage.y.len()];
+        for (c, column) in found.coefficients(search.stage, i).iter().zip(&other.columns) {
+            for (s, x) in sum.iter_mut().zip(column) {
+                *s += c * x;
+            }
+        }
+        (other.active == atom.active).then_some(sum)
+    };
+    let slope: Vec<f64> = side(1.0)?.iter().zip(side(-1.0)?).map(|(a, b)| (a - b) / (2.0 * step)).collect();
+    (dot(&slope, &slope) > 0.0).then_some(slope)
+}
