@@ -128,10 +128,10 @@ fn run_length(series: &[f64]) -> usize {
         return least;
     }
     let (mut bend, mut spectrum) = (0.0, lagged[0]);
-    for lag in 1..=(2 * memory).min(n - 1) {
+    for (lag, r) in lagged.iter().enumerate().skip(1).take(2 * memory) {
         let taper = (2.0 * (1.0 - lag as f64 / (2 * memory) as f64)).min(1.0);
-        bend += 2.0 * taper * lag as f64 * lagged[lag];
-        spectrum += 2.0 * taper * lagged[lag];
+        bend += 2.0 * taper * lag as f64 * r;
+        spectrum += 2.0 * taper * r;
     }
     let best = (1.5 * bend * bend / (spectrum * spectrum).max(1e-300) * count).cbrt();
     (best.round() as usize).clamp(least, (n / 4).max(least))

@@ -1,6 +1,7 @@
 //! Least squares over few columns and many rows: bases, blocked cross-validation, robust deviations.
 
 use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::borrow::Borrow;
 
 /// Inner product, in eight partial sums: one running sum would have to wait for itself at every term.
@@ -242,7 +243,8 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
 }
 
 /// Standard deviations by leaving out one block at a time (CR3; MacKinnon, Nielsen and Webb 2023): where a few blocks
-/// hold most of what is known about a coefficient the usual sandwich is too sure of it.
+/// hold most of what is known about a coefficient the usual sandwich is too sure of it. Opened by Student's factor for as
+/// many blocks as really speak, so that 1.96 of them hold 95 %.
 fn deviations(
     normals: &[Normal],
     gram: &DMatrix<f64>,
@@ -251,16 +253,25 @@ fn deviations(
     cover: &DMatrix<f64>,
 ) -> Vec<f64> {
     let (p, k) = (solution.len(), normals.len() as f64);
-    let mut spread = DMatrix::zeros(p, p);
+    let (mut squares, mut fourths) = (vec![0.0; p], vec![0.0; p]);
     for n in normals {
         let change = match inverse(&(gram - &n.gram)) {
             Some(without) => without * (moment - &n.moment) - solution,
             // all that is known of a coefficient is in this block
             None => cover * (&n.moment - &n.gram * solution),
         };
-        spread += &change * change.transpose();
+        for (c, (square, fourth)) in change.iter().zip(squares.iter_mut().zip(&mut fourths)) {
+            *square += c * c;
+            *fourth += c.powi(4);
+        }
     }
-    (0..p).map(|i| (spread[(i, i)] * (k - 1.0) / k).max(0.0).sqrt()).collect()
+    let deviation = |(square, fourth): (&f64, &f64)| {
+        // as many as would show this kurtosis if each block said as much as any other
+        let blocks = (3.0 * square * square / fourth.max(1e-300)).clamp(4.0, k);
+        let open = StudentsT::new(0.0, 1.0, blocks - 1.0).map_or(1.0, |t| t.inverse_cdf(0.975) / 1.959_964);
+        open * (square * (k - 1.0) / k).sqrt()
+    };
+    squares.iter().zip(&fourths).map(deviation).collect()
 }
 
 #[cfg(test)]

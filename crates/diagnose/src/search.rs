@@ -288,8 +288,7 @@ impl Search<'_> {
                 best = rival;
             }
         }
-        let mut pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j]));
-        while let Some(pair) = pairs.next() {
+        for pair in (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])) {
             if let Some(rival) = self.simpler(&best, &pair) {
                 return self.simplify(rival);
             }
