@@ -238,8 +238,8 @@ impl Search<'_> {
             best = found.clone();
             beam = kept;
         }
-        let best = crate::transport::settle(self, self.plain(self.simplify(best)));
-        Some(self.prune(self.refine(best, FINE), start))
+        let best = self.refine(self.plain(self.simplify(best)), FINE);
+        Some(self.prune(crate::transport::settle(self, best), start))
     }
 
     /// Takes out of each term the gains that its recording does not ask for: the second harmonic, a second end of the
