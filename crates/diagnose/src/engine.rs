@@ -32,6 +32,21 @@ pub(crate) const BASELINE: [(&str, &str, &str); 5] = [
     ("viscous_n", "N·s/m", "N·m·s/rad"),
 ];
 
+/// Share of the floor below which a held-out error refutes it.
+const UNDERCUT: f64 = 0.7;
+
+/// Share of the time that may be set aside around reversals; where it is more, they are kept.
+const MOST_REVERSALS: f64 = 0.6;
+
+/// Share of the time around reversals, as far as the filter at `cutoff` Hz smears each.
+fn reversals(stretches: &[Channels], cutoff: f64) -> f64 {
+    let count =
+        |c: &Channels| Track::new(c.clone(), cutoff).sign.windows(2).filter(|w| w[0] != w[1]).count() as f64;
+    let seconds: f64 = stretches.iter().map(|c| c.position.len() as f64 * c.dt).sum();
+    let long = stretches.iter().filter(|c| c.position.len() >= 16);
+    long.map(count).sum::<f64>() / (cutoff * seconds.max(1e-300))
+}
+
 /// Locates what a simulation leaves out of a recording, names it, and confirms it on data not used.
 ///
 /// `train` are fitted together with shared parameters; `validate` are judged with structure and parameters
@@ -58,13 +73,20 @@ pub fn diagnose(
             "no stretch of the recording is long and clean enough to be fitted",
         ));
     }
-    let cutoff = options.cutoff_hz.unwrap_or_else(|| choose_cutoff(&intake.stretches));
+    let mut cutoff = options.cutoff_hz.unwrap_or_else(|| choose_cutoff(&intake.stretches));
     progress(0.05, "filter and baseline");
     if let Some(first) = Stage::new(&intake.stretches, cutoff, false) {
         intake.static_branch(static_branch::delta_v(&first.tracks));
         intake.take_out(&drift::find(&first, train.len()));
     }
-    let Some(stage) = with_nuisances(&intake.stretches, cutoff) else {
+    if reversals(&intake.stretches, cutoff) > MOST_REVERSALS {
+        intake.keep_reversals();
+        // a motion that is quick for its sampling goes up to where the derivative ends
+        let slowest = intake.stretches.iter().map(|s| 1.0 / s.dt).fold(f64::INFINITY, f64::min);
+        cutoff = options.cutoff_hz.unwrap_or(slowest / 8.0);
+    }
+    let stage = with_nuisances(&intake.stretches, cutoff);
+    let Some(stage) = stage else {
         return Ok(untestable(
             intake,
             unit,
@@ -85,7 +107,6 @@ pub fn diagnose(
             "mass and friction cannot be told apart on this motion: accelerate more",
         ));
     };
-    intake.faults.extend(implausible_mass(&baseline.fit, intake.rotary));
     let judged = judged.map(|mut j| {
         if let Some(first) = Stage::new(&j.stretches, cutoff, false) {
             j.take_out(&drift::find(&first, validate.len()));
@@ -148,7 +169,7 @@ impl Run<'_> {
         let rows: f64 = stage.block_weight().iter().sum();
         let to_rms = |sum: f64| (sum / rows.max(1e-300)).sqrt();
 
-        let floor = self.floor();
+        let mut floor = self.floor();
         progress(0.1, "catalogue");
         let scales = Scales::of(&stage.tracks, cutoff);
         let noisy = stage.perturbed(cutoff, &baseline.fit.coefficients, options.seed ^ 0x51f1);
@@ -162,19 +183,28 @@ impl Run<'_> {
         exclude.push("velocity_lag");
         let lines = crate::lines::fine(stage, &baseline.fit.residual, &scales, options.seed);
         let catalogue = Catalogue::new(stage, &noisy, &scales, &lines, &exclude);
-        let search = Search {
+        let above = |floor: f64| Search {
             stage,
             noisy: &noisy,
             catalogue: &catalogue,
             scales: &scales,
-            floor: floor.rms * floor.rms * rows,
-            systematic: systematic(stage, baseline.fit.coefficients[0], cutoff, floor.rms).powi(2) * rows,
+            floor: floor * floor * rows,
+            systematic: systematic(stage, baseline.fit.coefficients[0], cutoff, floor).powi(2) * rows,
             max_terms: options.max_terms,
             width: options.beam_width,
             seed: options.seed,
         };
+        let mut search = above(floor.rms);
         progress(0.3, "naming");
-        let (mut found, p) = search.run(progress).unwrap_or_else(|| (baseline.clone(), Vec::new()));
+        let (mut found, mut p) = search.run(progress).unwrap_or_else(|| (baseline.clone(), Vec::new()));
+
+        // A floor that a model undercuts on what it has not seen was none: a broad signal was taken for noise.
+        let reached = to_rms(found.fit.heldout_sum());
+        if reached < UNDERCUT * floor.rms && floor.how == "local differences" && reached > 0.0 {
+            floor.rms = reached;
+            search = above(floor.rms);
+            (found, p) = search.run(progress).unwrap_or_else(|| (baseline.clone(), Vec::new()));
+        }
         let joint = Joint::of(&search, &found);
         found.fit.deviations = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
 
@@ -301,6 +331,7 @@ impl Run<'_> {
     /// What the audit said, and what only the fit could see.
     fn faults(&self, found: &Hypothesis) -> Vec<RecordingFault> {
         let mut faults = self.intake.faults.clone();
+        faults.extend(implausible_mass(&found.fit, self.intake.rotary));
         for (i, atom) in found.atoms.iter().enumerate() {
             let channel = atom.gains(found.coefficients(&self.stage, i))[1];
             if atom.term.kind.id() == "actuator_lag" && channel > 0.0 {

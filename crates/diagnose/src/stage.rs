@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Fewest rows that can be split into blocks, fitted and held out.
-pub const FEWEST_ROWS: usize = 120;
+pub const FEWEST_ROWS: usize = 60;
 
 /// Cuts rows into blocks of about equal length that do not cross stretches.
 fn cut(tracks: &[Track]) -> Blocks {

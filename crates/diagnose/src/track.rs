@@ -36,6 +36,8 @@ pub struct Channels {
     /// Δv of the baseline: speeds below it belong to its static branch, whose force is whatever balances. 0 where the
     /// recording shows no such band.
     pub static_band: f64,
+    /// The body reverses so often that nothing would be left without the moments around reversals: they are kept.
+    pub quick: bool,
     /// What the motion was asked to be, for finding its period.
     pub reference: Option<Vec<f64>>,
 }
@@ -241,7 +243,7 @@ impl Track {
             }
             direction = after;
         }
-        for (from, to) in unknown {
+        for (from, to) in unknown.into_iter().filter(|_| !self.raw.quick) {
             self.mask[from..to].fill(0.0);
         }
     }

@@ -48,6 +48,8 @@ pub enum FaultKind {
     ConstantChannel,
     /// The body hardly moves.
     TooLittleMotion,
+    /// The body reverses every few samples.
+    QuickReversals,
     /// Samples far from all their neighbours.
     Outliers,
     /// Numbers that no bench of this kind gives: another unit than the header says, or the wrong sign.

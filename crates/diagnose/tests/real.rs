@@ -1,0 +1,169 @@
+//! Recordings of real machines, each with physics that is known from how it was built.
+//! `cargo test -p diagnose --test real -- --nocapture` prints what is found and how it does on what was not fitted.
+
+use diagnose::{Diagnosis, Options, Verdict, diagnose};
+use identify::{FaultKind, Map, ReadOptions, Recording};
+use std::path::PathBuf;
+
+/// Files of a folder of the shared data whose name contains `part`, or None with a line that says so.
+fn files(folder: &str, part: &str) -> Option<Vec<PathBuf>> {
+    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(folder);
+    let Ok(list) = std::fs::read_dir(&dir) else {
+        assert!(std::env::var_os("CI").is_none(), "{} is needed under CI", dir.display());
+        println!("SKIPPED: {} is not there", dir.display());
+        return None;
+    };
+    let mut out: Vec<PathBuf> = list
+        .filter_map(|e| Some(e.ok()?.path()))
+        .filter(|p| p.file_name().is_some_and(|n| n.to_string_lossy().contains(part)))
+        .collect();
+    out.sort();
+    Some(out)
+}
+
+fn read(path: &PathBuf, map: &str) -> Recording {
+    let map: Map = map.parse().expect("a map");
+    Recording::read(path, &ReadOptions { map: Some(map) }).expect("a recording")
+}
+
+fn part(r: &Recording, from: usize, to: usize) -> Recording {
+    let cut = |c: &[f64]| c[from..to].to_vec();
+    Recording {
+        name: format!("{} {from}..{to}", r.name),
+        time: cut(&r.time),
+        position: cut(&r.position),
+        force: cut(&r.force),
+        normal_force: r.normal_force.as_deref().map(cut),
+        ..r.clone()
+    }
+}
+
+fn found(train: &[Recording], judge: &[Recording]) -> Diagnosis {
+    let options =
+        Options { cutoff_hz: std::env::var("CUT").ok().and_then(|c| c.parse().ok()), ..Options::default() };
+    let began = std::time::Instant::now();
+    let found = diagnose(train, judge, &options, &|_, _| ()).expect("a diagnosis");
+    let unit = &found.noise_floor.unit;
+    println!("{}\n  {:.1} s, filter {:.1} Hz", found.summary, began.elapsed().as_secs_f64(), found.cutoff_hz);
+    for (name, q) in &found.after.parameters {
+        println!("  {name} {:.4} ± {:.4} {}", q.value, q.std, q.unit);
+    }
+    for fault in &found.recording_faults {
+        println!("  fault {:?}: {}", fault.kind, fault.why);
+    }
+    for m in &found.missing {
+        println!(
+            "  {}: held-out {:.4} -> {:.4} {unit}, gain {:.4} … {:.4}, rivals {:?}, {:?}",
+            m.effect,
+            m.rms_heldout_before,
+            m.rms_heldout_after,
+            m.gain_ci95[0],
+            m.gain_ci95[1],
+            m.indistinguishable_from,
+            m.parameters
+                .iter()
+                .map(|(n, q)| format!("{n} {:.4} ± {:.4}", q.value, q.std))
+                .collect::<Vec<_>>()
+        );
+    }
+    println!(
+        "  blocks held out: {:.4} -> {:.4} {unit}, floor {:.4}",
+        found.baseline.rms_heldout, found.after.rms_heldout, found.noise_floor.rms
+    );
+    for v in &found.validation {
+        println!(
+            "  {} not fitted: {:.2} % -> {:.2} % of the force",
+            v.recording,
+            100.0 * v.relative_before,
+            100.0 * v.relative_after
+        );
+    }
+    found
+}
+
+fn names(found: &Diagnosis, effect: &str) -> bool {
+    found.missing.iter().any(|m| m.effect == effect)
+}
+
+/// Effects that are dry friction.
+const DRY: [&str; 8] = [
+    "stribeck",
+    "sublinear_viscous",
+    "presliding",
+    "frictional_lag",
+    "rising_static_friction",
+    "position_dependent_friction",
+    "load_dependent_friction",
+    "periodic_friction",
+];
+
+#[test]
+fn silverbox_is_a_nonlinear_spring_without_dry_friction() {
+    let Some(files) = files("silverbox", "SNLS80mV.mat") else { return };
+    let all = read(&files[0], "time_s=index/610.35,position_m=V2,force_n=V1");
+    // Two of the ten multisines, judged by another; the growing noise before them goes further and judges, too.
+    let (train, judge) =
+        (part(&all, 41_000, 58_000), [part(&all, 110_000, 118_000), part(&all, 20_000, 40_000)]);
+    let found = found(&[train], &judge);
+    assert_eq!(found.verdict, Verdict::Mismatch);
+    assert!(names(&found, "nonlinear_spring"), "the cubic spring");
+    let dry: Vec<&str> =
+        found.missing.iter().map(|m| m.effect.as_str()).filter(|e| DRY.contains(e)).collect();
+    assert!(dry.is_empty(), "there is no dry friction: {dry:?}");
+    // equal and opposite levels are the offset of the input; their mean is dry friction
+    let level = |name: &str| &found.after.parameters[name];
+    let (p, n) = (level("coulomb_p"), level("coulomb_n"));
+    let dry = 0.5 * (p.value + n.value);
+    println!(
+        "  dry friction {dry:.5} ± {:.5} V, offset {:.5} V",
+        0.5 * p.std.hypot(n.std),
+        0.5 * (p.value - n.value)
+    );
+    assert!(dry.abs() < 0.03 * found.baseline.rms_heldout.max(10.0 * p.std.hypot(n.std)));
+    assert!(found.validation.iter().all(|v| v.relative_after < 0.5 * v.relative_before));
+}
+
+/// Rhoban's servo model: duty = 0.166·kp·(goal − position), at most 0.97, of the supply; as a force in volts.
+const SERVO: &str = "time_s=timestamp,position_rad=position,\
+    torque_nm=vin*torque_enable*max(-0.97,min(0.97,0.166*kp*(goal_position-position)))";
+
+#[test]
+fn a_servo_with_a_pendulum_lifts_it_against_gravity() {
+    let Some(files) = files("servo_pendulum", ".json") else { return };
+    let all: Vec<Recording> = files.iter().map(|f| read(f, SERVO)).collect();
+    assert_eq!(all.len(), 4);
+    // With the torque off the winding is open: without its back-EMF it is another machine.
+    let powered = |r: Recording| {
+        let off = r.time.iter().position(|t| *t > 1.9).filter(|_| r.name.contains("lift_and_drop"));
+        part(&r, 0, off.unwrap_or(r.len()))
+    };
+    let all = all.into_iter().map(powered);
+    let (judge, train): (Vec<Recording>, Vec<Recording>) =
+        all.partition(|r| r.name.contains("up_and_down") || r.name.contains("square"));
+    let found = found(&train, &judge);
+    assert_eq!(found.verdict, Verdict::Mismatch);
+    assert!(names(&found, "gravity"));
+    // tested: named, or with the bound below which it would not have been seen, or what hides it
+    let load = "load_dependent_friction";
+    let bound = found.rejected.iter().find(|r| r.effect == load);
+    let blind = found.blind_to.iter().find(|b| b.effect == load);
+    println!("  load dependence: named {}, bound {bound:?}, blind {blind:?}", names(&found, load));
+    assert!(names(&found, load) || bound.is_some() || blind.is_some());
+    assert!(found.validation.iter().all(|v| v.relative_after < v.relative_before));
+}
+
+#[test]
+fn a_pneumatic_seal_rubs_harder_under_pressure() {
+    let Some(files) = files("pneumatic_seal", "Circle_") else { return };
+    // ms, …, laser mm, pressure bar, force N. The pressure pushes the rod with 50 N/bar, the mean of force over pressure
+    // in each of the files, and presses the lips on the wall in proportion.
+    let map = "time_s=c1/1000,position_m=c5/1000,force_n=c7-50*c6,normal_force_n=50*c6";
+    let all: Vec<Recording> = files.iter().map(|f| read(f, map)).collect();
+    let (judge, train): (Vec<Recording>, Vec<Recording>) =
+        all.into_iter().partition(|r| r.name.contains("5bar"));
+    let found = found(&train, &judge);
+    assert!(found.recording_faults.iter().any(|f| f.kind == FaultKind::LostSamples));
+    assert!(names(&found, "load_dependent_friction"));
+    let v = &found.validation[0];
+    assert!(v.relative_after < v.relative_before);
+}
