@@ -38,6 +38,9 @@ const UNDERCUT: f64 = 0.7;
 /// Share of the time that may be set aside around reversals; where it is more, they are kept.
 const MOST_REVERSALS: f64 = 0.6;
 
+/// The same where nothing else is left.
+const FEW_REVERSALS: f64 = 0.2;
+
 /// Share of the time around reversals, as far as the filter at `cutoff` Hz smears each.
 fn reversals(stretches: &[Channels], cutoff: f64) -> f64 {
     let count =
@@ -79,7 +82,11 @@ pub fn diagnose(
         intake.static_branch(static_branch::delta_v(&first.tracks));
         intake.take_out(&drift::find(&first, train.len()));
     }
-    if reversals(&intake.stretches, cutoff) > MOST_REVERSALS {
+    // noise about a place reverses, too
+    let still = intake.faults.iter().any(|f| f.kind == FaultKind::TooLittleMotion);
+    let around = if still { 0.0 } else { reversals(&intake.stretches, cutoff) };
+    let short = around > FEW_REVERSALS && Stage::new(&intake.stretches, cutoff, false).is_none();
+    if around > MOST_REVERSALS || short {
         intake.keep_reversals();
         // a motion that is quick for its sampling goes up to where the derivative ends
         let slowest = intake.stretches.iter().map(|s| 1.0 / s.dt).fold(f64::INFINITY, f64::min);
@@ -112,6 +119,8 @@ pub fn diagnose(
             j.take_out(&drift::find(&first, validate.len()));
         }
         j.static_branch(intake.delta_v);
+        let quick = intake.stretches.iter().any(|s| s.quick);
+        j.stretches.iter_mut().for_each(|s| s.quick = quick);
         j
     });
     let run = Run { intake, stage, baseline, cutoff, options, unit };

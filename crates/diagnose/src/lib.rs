@@ -26,8 +26,8 @@
 //! # Ok::<(), diagnose::Error>(())
 //! ```
 //!
-//! [`diagnose`] is the only entry; [`Diagnosis`] is both the JSON (`tribos.diagnosis/1`) and the series for the
-//! report.
+//! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`] is the only entry; [`Diagnosis`] is both the
+//! JSON (`tribos.diagnosis/1`) and the series for the report.
 #![forbid(unsafe_code)]
 
 mod agreement;

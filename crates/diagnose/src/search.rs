@@ -17,6 +17,9 @@ pub const LEVEL: f64 = 0.01;
 pub const COLLINEAR: f64 = 0.95;
 /// Smallest share of the mismatch above the floor for which a term is worth naming.
 const MATERIAL: f64 = 0.01;
+/// Or of what the terms before it left: where a spring is nearly all of the force, what stiffens it is less than a
+/// hundredth of the mismatch and nearly all of the rest.
+const MOST_OF_REST: f64 = 0.5;
 
 /// Steps of refinement while hypotheses compete, and for the one that is left.
 pub const ROUGH: usize = 6;
@@ -428,7 +431,9 @@ impl Search<'_> {
 
     fn material(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
         let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
-        gain > (MATERIAL * (start - self.floor)).max(self.systematic)
+        let above = |sum: f64| sum - self.floor;
+        let worth = (MATERIAL * above(start)).min(MOST_OF_REST * above(parent.fit.heldout_sum()));
+        gain > worth.max(self.systematic)
     }
 
     fn holds(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
