@@ -433,7 +433,14 @@ impl Search<'_> {
         let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
         let above = |sum: f64| sum - self.floor;
         let worth = (MATERIAL * above(start)).min(MOST_OF_REST * above(parent.fit.heldout_sum()));
-        gain > worth.max(self.systematic)
+        let worth = worth.max(self.systematic);
+        let smooths = child
+            .atoms
+            .iter()
+            .any(|a| !parent.has(a.term.kind) && ["compliance", "backlash"].contains(&a.term.kind.id()));
+        gain > worth
+            && (!smooths
+                || crate::transport::saved(self, &parent.atoms, &child.atoms).is_some_and(|s| s > worth))
     }
 
     fn holds(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {

@@ -10,7 +10,7 @@ use crate::linear::dot;
 use crate::search::{Atom, Hypothesis, Search};
 use crate::sensor::is_transport;
 use crate::term::{Term, TermKind};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 /// Times tried over the range, logarithmically even.
@@ -35,36 +35,65 @@ pub fn settle(search: &Search, mut found: Hypothesis) -> Hypothesis {
     found
 }
 
+/// Normal equations of the baseline and some terms, with what the noise of columns and force puts into them taken out.
+struct Corrected {
+    columns: Vec<Vec<f64>>,
+    /// What one more draw of the noise adds to each column, and to the force.
+    shaken: Vec<Vec<f64>>,
+    force: Vec<f64>,
+    gram: Cholesky<f64, Dyn>,
+}
+
+impl Corrected {
+    fn new(search: &Search, atoms: &[Atom]) -> Option<Self> {
+        let (stage, noisy) = (search.stage, search.noisy);
+        let mut columns: Vec<Vec<f64>> = stage.baseline.clone();
+        let mut shaken: Vec<Vec<f64>> = noisy.baseline.clone();
+        for atom in atoms {
+            let again = noisy.columns(&atom.term);
+            columns.extend(atom.columns.iter().cloned());
+            shaken.extend(atom.active.iter().filter_map(|a| again.get(*a).cloned()));
+        }
+        if columns.len() != shaken.len() {
+            return None;
+        }
+        for (again, column) in shaken.iter_mut().zip(&columns) {
+            subtract(again, column);
+        }
+        let mut force = noisy.y.clone();
+        subtract(&mut force, &stage.y);
+        let p = columns.len();
+        let gram = DMatrix::from_fn(p, p, |i, j| dot(&columns[i], &columns[j]) - dot(&shaken[i], &shaken[j]));
+        Some(Self { gram: gram.cholesky()?, columns, shaken, force })
+    }
+
+    /// Squared error beyond noise of the best fit to `y`, of which `noise` is what the draw added.
+    fn left(&self, y: &[f64], noise: &[f64]) -> f64 {
+        let p = self.columns.len();
+        let moment = DVector::from_fn(p, |i, _| dot(&self.columns[i], y) - dot(&self.shaken[i], noise));
+        dot(y, y) - dot(noise, noise) - moment.dot(&self.gram.solve(&moment))
+    }
+}
+
+/// Squared error that `child` saves beyond the noise it smooths: a load that follows slowly smooths the acceleration of
+/// the drive, and is paid for it where there is no load.
+pub fn saved(search: &Search, parent: &[Atom], child: &[Atom]) -> Option<f64> {
+    let left = |atoms: &[Atom]| Corrected::new(search, atoms).map(|c| c.left(&search.stage.y, &c.force));
+    Some(left(parent)? - left(child)?)
+}
+
 /// The transport effect that leaves least beside `others`.
 fn best(search: &Search, others: &[Atom]) -> Option<Term> {
     let (stage, noisy) = (search.stage, search.noisy);
-    let mut columns: Vec<Vec<f64>> = stage.baseline.clone();
-    let mut shaken: Vec<Vec<f64>> = noisy.baseline.clone();
-    if columns.len() != shaken.len() {
-        return None;
-    }
-    for atom in others {
-        let again = noisy.columns(&atom.term);
-        columns.extend(atom.columns.iter().cloned());
-        shaken.extend(atom.active.iter().filter_map(|a| again.get(*a).cloned()));
-    }
-    // what the draw adds to each column, and to the force: noise by itself
-    let p = columns.len();
-    for (again, column) in shaken.iter_mut().zip(&columns) {
-        subtract(again, column);
-    }
-    let force: Vec<f64> = noisy.y.iter().zip(&stage.y).map(|(n, y)| n - y).collect();
-    let gram = DMatrix::from_fn(p, p, |i, j| dot(&columns[i], &columns[j]) - dot(&shaken[i], &shaken[j]));
-    let gram = gram.cholesky()?;
+    let corrected = Corrected::new(search, others)?;
     let left = |term: &Term| -> Option<f64> {
         let (own, mut again) = (stage.columns(term).pop()?, noisy.columns(term).pop()?);
         subtract(&mut again, &own);
         let mut rest = stage.y.clone();
         subtract(&mut rest, &own);
-        let mut noise = force.clone();
+        let mut noise = corrected.force.clone();
         subtract(&mut noise, &again);
-        let moment = DVector::from_fn(p, |i, _| dot(&columns[i], &rest) - dot(&shaken[i], &noise));
-        let sum = dot(&rest, &rest) - dot(&noise, &noise) - moment.dot(&gram.solve(&moment));
+        let sum = corrected.left(&rest, &noise);
         sum.is_finite().then_some(sum)
     };
     let kinds = TermKind::all()
