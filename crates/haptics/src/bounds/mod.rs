@@ -4,8 +4,10 @@
 //! τ = m/b. `f64`: the differences below cancel four digits, which `f32` does not have to give away. None of this
 //! runs in the control step.
 
+mod closed_loop;
 mod delay;
 
+pub use closed_loop::{ClosedLoop, Grasp};
 pub use delay::stiffness_max_delayed;
 
 /// E = e^(−T/τ): what is left of a velocity after one period.
@@ -31,6 +33,14 @@ fn one_minus_decay(x: f64) -> f64 {
 #[must_use]
 pub fn kp_max(mass: f64, damping: f64, period: f64) -> f64 {
     stiffness_max(mass, damping, period, 0.0)
+}
+
+/// Smallest gain K_p, N/m, that follows a force of `frequency` Hz (4.5.1.3): the natural frequency of the stuck handle
+/// at least 20 times as high, K = m (20·2πf)².
+#[must_use]
+pub fn kp_min(mass: f64, frequency: f64) -> f64 {
+    let natural = 20.0 * core::f64::consts::TAU * frequency;
+    mass * natural * natural
 }
 
 /// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes, with an exact velocity and no delay: the two

@@ -11,7 +11,7 @@ use crate::{Config, RendererKind};
 
 /// Motion of the handle as measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Handle {
+pub struct Handle {
     /// m.
     pub position: f32,
     /// m/s.
@@ -29,13 +29,16 @@ impl Handle {
 
 /// What a contact did in one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Rendered {
+pub struct Rendered {
     /// Force on the handle before the clamp, N.
     pub force: f32,
+    /// Position of what rubs, m.
     pub block_position: f32,
+    /// Velocity of what rubs, m/s.
     pub block_velocity: f32,
     /// Friction force, N, positive against positive motion.
     pub friction: f32,
+    /// Nothing slides.
     pub stuck: bool,
 }
 
@@ -50,7 +53,8 @@ pub enum Contact {
 
 impl Contact {
     /// A fresh contact where the handle is, without force.
-    pub(crate) fn new(config: &Config, handle: &Handle) -> Self {
+    #[must_use]
+    pub fn new(config: &Config, handle: &Handle) -> Self {
         match config.renderer {
             RendererKind::Impedance => Self::Impedance(Impedance::new(config, handle)),
             RendererKind::VirtualCoupling => Self::VirtualCoupling(VirtualCoupling::new(config, handle)),
@@ -66,7 +70,8 @@ impl Contact {
         }
     }
 
-    pub(crate) fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
+    /// One period: the force that answers the handle's motion.
+    pub fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
         match self {
             Self::Impedance(contact) => contact.step(config, handle),
             Self::VirtualCoupling(contact) => contact.step(config, handle),

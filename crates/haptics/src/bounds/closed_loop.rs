@@ -1,0 +1,255 @@
+//! The sampled closed loop of handle, hand, virtual coupling and block, and its spectral radius: what the closed forms
+//! approximate, as it is.
+
+/// A passive hand on the handle. `default()` has let go.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Grasp {
+    /// Mass that moves with the handle, kg.
+    pub mass: f64,
+    /// Damping to ground, N·s/m.
+    pub damping: f64,
+    /// Stiffness to ground, N/m.
+    pub stiffness: f64,
+}
+
+/// Handle, hand, coupling and block, linear: friction is either stuck or left out.
+///
+/// ```text
+/// (m + m_h) ẍ + (b + b_h) ẋ + k_h x = F     between samples, exactly, F(k) from t + delay on (eq. 4.14, 4.15)
+/// F(k) = −K (x(k) − p(k)) − B (v(k) − w(k))    eq. 4.24
+/// w(k+1) = w(k) − T/M F(k),  p(k+1) = p(k) + T w(k+1)   eq. 4.22, 4.23; p = w = 0 while stuck
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedLoop {
+    /// Mass of the handle m, kg.
+    pub device_mass: f64,
+    /// Viscous damping of the handle b, N·s/m.
+    pub device_damping: f64,
+    /// Control period T, s.
+    pub period: f64,
+    /// From sample to force, s; up to one period.
+    pub delay: f64,
+    /// The hand.
+    pub grasp: Grasp,
+    /// Stiffness of the coupling K, N/m.
+    pub stiffness: f64,
+    /// Damping of the coupling B, N·s/m.
+    pub damping: f64,
+}
+
+type Matrix<const N: usize> = [[f64; N]; N];
+
+fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
+    core::array::from_fn(|i| core::array::from_fn(|j| (0..N).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+fn largest<const N: usize>(a: &Matrix<N>) -> f64 {
+    a.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// Largest magnitude of an eigenvalue: lim ‖Aⁿ‖^(1/n) (Gelfand), n = 2⁵⁰ by squaring.
+fn spectral_radius<const N: usize>(mut a: Matrix<N>) -> f64 {
+    let mut log = 0.0;
+    let mut weight = 1.0;
+    for _ in 0..50 {
+        let scale = largest(&a);
+        if !(scale > 0.0) {
+            return scale;
+        }
+        a = a.map(|row| row.map(|x| x / scale));
+        log += weight * libm::log(scale);
+        a = product(&a, &a);
+        weight *= 0.5;
+    }
+    libm::exp(log)
+}
+
+impl ClosedLoop {
+    /// Handle (x, v) after `t` s with force f held, as [[x x, x v, x f], [v x, v v, v f], [0 0 1]]: e^(At) by Taylor's
+    /// series on t/2ⁿ, squared n times.
+    fn handle(&self, t: f64) -> Matrix<3> {
+        let mass = self.device_mass + self.grasp.mass;
+        let (c, k) = ((self.device_damping + self.grasp.damping) / mass, self.grasp.stiffness / mass);
+        let mut h = t;
+        let mut halvings = 0;
+        while h * (1.0 + c + libm::sqrt(k)) > 0.1 && halvings < 60 {
+            h *= 0.5;
+            halvings += 1;
+        }
+        let step = [[0.0, h, 0.0], [-k * h, -c * h, h / mass], [0.0; 3]];
+        let mut term: Matrix<3> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mut sum = term;
+        for n in 1..14 {
+            term = product(&term, &step).map(|row| row.map(|x| x / f64::from(n)));
+            for (into, from) in sum.iter_mut().flatten().zip(term.iter().flatten()) {
+                *into += from;
+            }
+        }
+        for _ in 0..halvings {
+            sum = product(&sum, &sum);
+        }
+        sum
+    }
+
+    /// One period of (x, v) under the force of the step before and this one.
+    fn sampled(&self) -> ([[f64; 2]; 2], [f64; 2], [f64; 2]) {
+        let delay = self.delay.clamp(0.0, self.period);
+        let (first, rest) = (self.handle(delay), self.handle(self.period - delay));
+        let free = core::array::from_fn(|i| {
+            core::array::from_fn(|j| rest[i][0] * first[0][j] + rest[i][1] * first[1][j])
+        });
+        let before = core::array::from_fn(|i| rest[i][0] * first[0][2] + rest[i][1] * first[1][2]);
+        (free, before, core::array::from_fn(|i| rest[i][2]))
+    }
+
+    /// Spectral radius with the block held by friction. Below 1: every motion dies out; 1: some motion persists (a
+    /// handle without stiffness coasts); above: it grows.
+    #[must_use]
+    pub fn radius_stuck(&self) -> f64 {
+        let (free, before, now) = self.sampled();
+        let (k, b) = (self.stiffness, self.damping);
+        let row = |i: usize| [free[i][0] - now[i] * k, free[i][1] - now[i] * b, before[i]];
+        spectral_radius([row(0), row(1), [-k, -b, 0.0]])
+    }
+
+    /// Spectral radius with a free block of `mass` kg. Without a hand that holds, the whole may drift off together;
+    /// that motion (an eigenvalue of exactly 1) is left out.
+    #[must_use]
+    pub fn radius_sliding(&self, mass: f64) -> f64 {
+        let (free, before, now) = self.sampled();
+        let (k, b, t) = (self.stiffness, self.damping, self.period);
+        // (x, v, p, w, F before)
+        let force = [-k, -b, k, b, 0.0];
+        let handle = |i: usize| -> [f64; 5] {
+            let own = [free[i][0], free[i][1], 0.0, 0.0, before[i]];
+            core::array::from_fn(|j| own[j] + now[i] * force[j])
+        };
+        let speed: [f64; 5] = core::array::from_fn(|j| f64::from(u8::from(j == 3)) - t / mass * force[j]);
+        let place: [f64; 5] = core::array::from_fn(|j| f64::from(u8::from(j == 2)) + t * speed[j]);
+        let (x, v) = (handle(0), handle(1));
+        if self.grasp.stiffness > 0.0 {
+            return spectral_radius([x, v, place, speed, force]);
+        }
+        // (x − p, v, w, F before)
+        let relative = |row: [f64; 5]| [row[0], row[1], row[3], row[4]];
+        let apart = core::array::from_fn(|j| x[j] - place[j]);
+        spectral_radius([relative(apart), relative(v), relative(speed), relative(force)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds;
+    use std::println;
+
+    const T: f64 = 1e-3;
+
+    fn held(mass: f64, damping: f64, delay: f64, stiffness: f64, coupling: f64) -> ClosedLoop {
+        ClosedLoop {
+            device_mass: mass,
+            device_damping: damping,
+            period: T,
+            delay,
+            grasp: Grasp::default(),
+            stiffness,
+            damping: coupling,
+        }
+    }
+
+    #[test]
+    fn radius_is_the_largest_eigenvalue() {
+        // 0.9·(rotation by 1) and a Jordan block of 0.5
+        let (s, c) = (1.0_f64.sin(), 1.0_f64.cos());
+        let a = [
+            [0.9 * c, -0.9 * s, 0.0, 0.0],
+            [0.9 * s, 0.9 * c, 0.0, 0.0],
+            [0.0, 0.0, 0.5, 1.0],
+            [0.0, 0.0, 0.0, 0.5],
+        ];
+        assert!((spectral_radius(a) - 0.9).abs() < 1e-12);
+        assert!((spectral_radius([[0.5, 1.0], [0.0, 0.5]]) - 0.5).abs() < 1e-12);
+        assert_eq!(spectral_radius([[0.0; 2]; 2]), 0.0);
+    }
+
+    #[test]
+    fn stuck_handle_crosses_one_where_the_closed_forms_say() {
+        for (mass, damping) in [(1.0, 10.0), (0.692, 6.92), (0.1, 30.0), (2.0, 0.05)] {
+            for (delay, b) in [(0.0, 0.0), (0.0, 15.0), (2e-5, 15.0), (1e-3, 5.0)] {
+                let limit = bounds::stiffness_max_delayed(mass, damping, T, b, delay);
+                if limit == 0.0 {
+                    continue;
+                }
+                let below = held(mass, damping, delay, 0.999 * limit, b).radius_stuck();
+                let above = held(mass, damping, delay, 1.001 * limit, b).radius_stuck();
+                println!("m {mass} b {damping} d {delay} B {b}: K {limit:.1} N/m, {below:.7} / {above:.7}");
+                assert!(below < 1.0 && above > 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn block_behind_a_handle_held_hard_crosses_one_where_4_35_is_singular() {
+        // a vice in place of the hand
+        let vice = Grasp { mass: 1e9, damping: 0.0, stiffness: 0.0 };
+        for (mass, b) in [(0.5, 10.0), (0.5, 300.0), (0.05, 3.0)] {
+            let limit = bounds::stiffness_singular(mass, b, T);
+            let at = |k: f64| ClosedLoop { grasp: vice, ..held(1.0, 10.0, 0.0, k, b) }.radius_sliding(mass);
+            println!("M {mass} B {b}: K {limit:.0} N/m, {:.6} / {:.6}", at(0.999 * limit), at(1.001 * limit));
+            assert!(at(0.999 * limit) <= 1.0 + 1e-6 && at(1.001 * limit) > 1.0 + 1e-5);
+        }
+    }
+
+    /// Largest of the last tenth of a simulated free motion over the largest of the first, by stepping small steps.
+    fn growth(c: &ClosedLoop, block: f64) -> f64 {
+        const FINE: u32 = 400;
+        let h = c.period / f64::from(FINE);
+        let mass = c.device_mass + c.grasp.mass;
+        let (damping, spring) = (c.device_damping + c.grasp.damping, c.grasp.stiffness);
+        let (mut x, mut v, mut p, mut w, mut held) = (0.0, 0.1, 0.0, 0.0, 0.0);
+        let (mut early, mut late) = (0.0_f64, 0.0_f64);
+        for n in 0..4000 {
+            let force = -c.stiffness * (x - p) - c.damping * (v - w);
+            w -= c.period / block * force;
+            p += c.period * w;
+            for s in 0..FINE {
+                let acting = if f64::from(s) * h < c.delay { held } else { force };
+                v += h * (acting - damping * v - spring * x) / mass;
+                x += h * v;
+            }
+            held = force;
+            let size = (x - p).abs() * c.stiffness + (v - w).abs();
+            if !(size < 1e12) {
+                return f64::INFINITY;
+            }
+            if n < 400 {
+                early = early.max(size);
+            } else if n >= 3600 {
+                late = late.max(size);
+            }
+        }
+        late / early
+    }
+
+    #[test]
+    fn free_block_grows_in_simulation_just_outside_the_radius_and_dies_out_inside() {
+        for (grasp, delay, block, b) in [
+            (Grasp::default(), 0.0, 0.4, 15.0),
+            (Grasp::default(), 1e-3, 0.4, 15.0),
+            (Grasp { mass: 0.2, damping: 5.0, stiffness: 300.0 }, 2e-5, 0.5, 10.0),
+            (Grasp { mass: 1.0, damping: 30.0, stiffness: 1000.0 }, 1e-3, 0.1, 10.0),
+        ] {
+            let at = |k: f64| ClosedLoop { grasp, ..held(0.692, 6.92, delay, k, b) };
+            let (mut low, mut high) = (10.0, 1e7);
+            while high / low > 1.0001 {
+                let k = f64::sqrt(low * high);
+                if at(k).radius_sliding(block) < 1.0 { low = k } else { high = k }
+            }
+            let (inside, outside) = (growth(&at(0.97 * low), block), growth(&at(1.03 * low), block));
+            println!(
+                "{grasp:?} delay {delay}: K {low:.0} N/m; grows by {inside:.1e} inside, {outside:.1e} outside"
+            );
+            assert!(inside < 0.5 && outside > 2.0);
+        }
+    }
+}
