@@ -1,6 +1,8 @@
 //! The command line as a whole.
 
-use crate::commands::{connect, convert, demo, diagnose, identify, predict, prove, record, simulate};
+use crate::commands::{
+    connect, convert, demo, design, diagnose, figures, identify, predict, preset, prove, record, simulate,
+};
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
 
@@ -28,6 +30,12 @@ enum Command {
     Predict(predict::Args),
     /// Move a simulated rig with a model's friction and record it
     Simulate(simulate::Args),
+    /// Presets between a device and files
+    Preset(preset::Args),
+    /// Stability bounds and limit cycles of a rendered block, before anything runs
+    Design(design::Args),
+    /// Draw the figures of the thesis anew, with its numbers beside ours
+    Figures(figures::Args),
     /// Prove on sealed recordings that concealed effects are found, and nothing else
     Prove(prove::Args),
     /// Convert a recording: csv, mat (v5) in; csv, mat, mcap out
@@ -47,6 +55,9 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Diagnose(args) => diagnose::run(args),
         Command::Predict(args) => predict::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Preset(args) => preset::run(args),
+        Command::Design(args) => design::run(args),
+        Command::Figures(args) => figures::run(args),
         Command::Prove(args) => prove::run(args),
         Command::Convert(args) => convert::run(args),
     }

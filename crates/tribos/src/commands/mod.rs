@@ -3,9 +3,12 @@
 pub mod connect;
 pub mod convert;
 pub mod demo;
+pub mod design;
 pub mod diagnose;
+pub mod figures;
 pub mod identify;
 pub mod predict;
+pub mod preset;
 pub mod prove;
 pub mod record;
 pub mod simulate;
