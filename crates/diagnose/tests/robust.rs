@@ -18,7 +18,7 @@ use std::sync::Mutex;
 /// What is given to the tool.
 enum Input {
     Text(Vec<u8>),
-    Columns(Recording),
+    Columns(Box<Recording>),
 }
 
 /// What must come of it, whatever else does.
@@ -485,7 +485,7 @@ const KINDS: &[Kind] = &[
                 1 => out.force.truncate(n),
                 _ => out.velocity.iter_mut().for_each(|v| v.truncate(n)),
             }
-            Input::Columns(out)
+            Input::Columns(Box::new(out))
         },
     },
 ];
@@ -522,7 +522,7 @@ fn judge(kind: &Kind, input: Input) -> Option<String> {
             Input::Text(bytes) => {
                 Recording::from_csv(name, &bytes, &ReadOptions::default()).map_err(|e| e.to_string())?
             }
-            Input::Columns(recording) => Recording { name: name.into(), ..recording },
+            Input::Columns(recording) => Recording { name: name.into(), ..*recording },
         };
         diagnose(&[recording], &[], &options(), &|_, _| ()).map_err(|e| e.to_string())
     }));

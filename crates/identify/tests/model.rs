@@ -59,7 +59,7 @@ fn a_file_gives_back_an_equal_model() {
                 offset: -0.25,
                 delay_s: 1.5e-3,
                 sensors: vec![
-                    SensorEffect::ActuatorLag { share: 0.5, lag: 0.01 },
+                    SensorEffect::ActuatorLag { command: 0.5, channel: 0.25, lag: 0.01 },
                     SensorEffect::ForceGainAsymmetry { gain: -0.02 },
                 ],
             },
