@@ -3,7 +3,6 @@
 use super::{ControlEnds, FaultReport, Telemetry};
 use haptics::streaming_identify::NUMBERS;
 use haptics::{Config, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
-use ringbuf::traits::{Consumer, Observer, Producer};
 
 /// The control step with its queues. Never blocks: what finds no room is not sent, and a gap in the step numbers of
 /// the telemetry shows it.
@@ -39,23 +38,23 @@ impl ControlLoop {
     pub fn tick(&mut self, ends: &mut ControlEnds<'_>, inputs: &Inputs, raise: Option<FaultKind>) -> Outputs {
         let raise = raise.map(Request::Raise);
         let configured = raise.is_none() && self.configure(ends);
-        let config = if self.replaced { ends.configs.try_peek() } else { None }.unwrap_or(&self.first);
+        let config = if self.replaced { ends.configs.peek() } else { None }.unwrap_or(&self.first);
         if configured {
             let period_ticks = config.period_ticks();
             self.state.reconfigured(period_ticks != self.period_ticks);
             self.period_ticks = period_ticks;
         }
-        let listens = raise.is_none() && !configured && !ends.requests.is_empty();
-        let asked = if listens { ends.requests.try_peek() } else { None };
+        let listens = raise.is_none() && !configured && ends.requests.ready();
+        let asked = if listens { ends.requests.peek() } else { None };
         // a promise is kept quietly: nobody waits for its answer
         let answered = configured || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. }));
         let taken = asked.is_some();
         let outputs = step(config, &mut self.state, raise.as_ref().or(asked), inputs);
         if taken {
-            ends.requests.skip(1);
+            let _ = ends.requests.dequeue();
         }
         if answered {
-            let _ = ends.answer.try_push(outputs.denied);
+            let _ = ends.answer.enqueue(outputs.denied);
         }
         if outputs.identified {
             self.numbers = NUMBERS as u16;
@@ -64,7 +63,7 @@ impl ControlLoop {
             self.numbers = 0;
         }
         if let Some(number) = self.numbers.checked_sub(1).and_then(|k| self.state.recorder().number(k))
-            && ends.identified.try_push(number).is_ok()
+            && ends.identified.enqueue(number).is_ok()
         {
             self.numbers -= 1;
         }
@@ -72,27 +71,28 @@ impl ControlLoop {
             && self.mode != ModeId::Fault
             && let Some(fault) = self.state.fault()
         {
-            let _ = ends.report.try_push(FaultReport {
+            let report = FaultReport {
                 kind: fault.kind,
                 step: self.step,
                 during: self.mode,
                 position: fault.position,
                 velocity: fault.velocity,
                 force: fault.force,
-            });
+            };
+            let _ = ends.report.enqueue(report);
         }
         self.mode = outputs.mode;
-        let _ = ends.tell.try_push(Telemetry { step: self.step, inputs: *inputs, outputs });
+        let _ = ends.tell.enqueue(Telemetry { step: self.step, inputs: *inputs, outputs });
         self.step = self.step.wrapping_add(1);
         outputs
     }
 
     /// Takes up the configuration that the tasks have sent, if there is one.
     fn configure(&mut self, ends: &mut ControlEnds<'_>) -> bool {
-        let waiting = ends.configs.occupied_len() > usize::from(self.replaced);
+        let waiting = ends.configs.len() > usize::from(self.replaced);
         if waiting {
             if self.replaced {
-                ends.configs.skip(1);
+                let _ = ends.configs.dequeue();
             }
             self.replaced = true;
         }

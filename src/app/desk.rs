@@ -14,7 +14,6 @@ use core::fmt::Write;
 use haptics::number::Text;
 use haptics::{Config, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver};
 use link::{BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, PresetStore, Sensor};
-use ringbuf::traits::{Consumer, Producer};
 
 /// Preset after a start, unless another is the default.
 const FIRST: &str = "brass";
@@ -163,11 +162,11 @@ impl Desk {
     /// Moves everything on; call it at least once every few milliseconds.
     pub fn poll(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
         while self.output.fits_line(answer::LINE) {
-            if let Some(denied) = ends.answers.try_pop() {
+            if let Some(denied) = ends.answers.dequeue() {
                 self.handled(denied);
-            } else if let Some(fault) = ends.faults.try_pop() {
+            } else if let Some(fault) = ends.faults.dequeue() {
                 self.faulted(&fault);
-            } else if let Some(number) = ends.numbers.try_pop() {
+            } else if let Some(number) = ends.numbers.dequeue() {
                 self.identified(&number);
             } else {
                 break;
@@ -176,7 +175,7 @@ impl Desk {
         if core::mem::take(&mut self.cleared) {
             board.forget();
         }
-        while let Some(telemetry) = ends.telemetry.try_pop() {
+        while let Some(telemetry) = ends.telemetry.dequeue() {
             self.see(&telemetry);
         }
         if self.pending.as_ref().is_some_and(|(_, since)| board.now_ms().wrapping_sub(*since) > PATIENCE_MS) {
@@ -196,7 +195,7 @@ impl Desk {
         let due = self.heard && now.wrapping_sub(self.promised_ms) >= PROMISE_MS;
         if due && self.last.is_some_and(|t| is_driven(t.outputs.mode)) {
             // no room: the next poll tries again
-            self.heard = ends.ask.try_push(Request::HostWatch { seconds: self.watch_s }).is_err();
+            self.heard = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s }).is_err();
             self.promised_ms = now;
         }
     }
@@ -230,7 +229,7 @@ impl Desk {
 
     fn handled(&mut self, denied: Option<haptics::Denied>) {
         let Some((pending, _)) = self.pending.take() else { return };
-        if pending == Pending::Push {
+        if matches!(pending, Pending::Push) {
             if denied.is_none() {
                 // the self-test tells when it is over
                 return;
@@ -457,12 +456,12 @@ impl Desk {
     fn drive(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
         self.ask(request, pending, now, ends);
         // if it finds no room, the next bytes bring it
-        let _ = ends.ask.try_push(Request::HostWatch { seconds: self.watch_s });
+        let _ = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s });
     }
 
     /// Hands a request to the control loop; the answer comes when it was handled.
     fn ask(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
-        match ends.ask.try_push(request) {
+        match ends.ask.enqueue(request) {
             Ok(()) => self.pending = Some((pending, now)),
             Err(_) => self.busy(),
         }
@@ -531,7 +530,7 @@ impl Desk {
 
     /// Hands a configuration to the control loop; the answer comes when it is in use.
     fn reconfigure(&mut self, config: Config, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
-        match ends.configure.try_push(config) {
+        match ends.configure.enqueue(config) {
             Ok(()) => self.pending = Some((pending, now)),
             Err(_) => self.busy(),
         }

@@ -14,8 +14,7 @@ pub use desk::Desk;
 pub use output::Output;
 
 use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Number, Outputs, Request};
-use ringbuf::traits::SplitRef;
-use ringbuf::{CachingCons, CachingProd, StaticRb};
+use heapless_spsc::spsc::{Consumer, Producer, Queue};
 
 /// One control period, for the tasks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,48 +53,46 @@ pub struct Earlier {
     pub panicked_at: Option<(heapless::String<40>, u32)>,
 }
 
+// Places of the queues: one more than may wait. Powers of two where it does not matter, for the sake of the interrupt.
+
 /// Telemetry that waits for the tasks: what they may be behind, control periods.
 const TELEMETRY: usize = 32;
-
 /// Requests that may wait.
-const REQUESTS: usize = 3;
-/// The configuration in use and the one that replaces it.
-const CONFIGS: usize = 2;
+const REQUESTS: usize = 4;
+/// The configuration in use and the one that replaces it: no more.
+const CONFIGS: usize = 3;
 /// Answers, faults and numbers of an identification that may wait. In queues of their own: a small item costs the
 /// interrupt a tenth of what one costs that is as large as the largest.
-const ANSWERS: usize = 3;
-const FAULTS: usize = 2;
-const WAITING_NUMBERS: usize = 7;
+const ANSWERS: usize = 4;
+const FAULTS: usize = 4;
+const NUMBERS: usize = 8;
 
 /// The queues between interrupt and tasks; lock-free, one writer and one reader each.
 #[derive(Default)]
 pub struct Queues {
-    configs: StaticRb<Config, CONFIGS>,
-    requests: StaticRb<Request, REQUESTS>,
-    answers: StaticRb<Option<Denied>, ANSWERS>,
-    faults: StaticRb<FaultReport, FAULTS>,
-    numbers: StaticRb<Number, WAITING_NUMBERS>,
-    telemetry: StaticRb<Telemetry, TELEMETRY>,
+    configs: Queue<Config, CONFIGS>,
+    requests: Queue<Request, REQUESTS>,
+    answers: Queue<Option<Denied>, ANSWERS>,
+    faults: Queue<FaultReport, FAULTS>,
+    numbers: Queue<Number, NUMBERS>,
+    telemetry: Queue<Telemetry, TELEMETRY>,
 }
 
 impl Queues {
     /// The ends for the interrupt and for the tasks.
     pub fn split(&mut self) -> (ControlEnds<'_>, DeskEnds<'_>) {
-        let (configure, configs) = self.configs.split_ref();
-        let (ask, requests) = self.requests.split_ref();
-        let (answer, answers) = self.answers.split_ref();
-        let (report, faults) = self.faults.split_ref();
-        let (identified, numbers) = self.numbers.split_ref();
-        let (tell, telemetry) = self.telemetry.split_ref();
+        let (configure, configs) = self.configs.split();
+        let (ask, requests) = self.requests.split();
+        let (answer, answers) = self.answers.split();
+        let (report, faults) = self.faults.split();
+        let (identified, numbers) = self.numbers.split();
+        let (tell, telemetry) = self.telemetry.split();
         (
             ControlEnds { configs, requests, answer, report, identified, tell },
             DeskEnds { configure, ask, answers, faults, numbers, telemetry },
         )
     }
 }
-
-type Producer<'q, T, const N: usize> = CachingProd<&'q StaticRb<T, N>>;
-type Consumer<'q, T, const N: usize> = CachingCons<&'q StaticRb<T, N>>;
 
 /// The interrupt's ends.
 pub struct ControlEnds<'q> {
@@ -107,7 +104,7 @@ pub struct ControlEnds<'q> {
     /// A fault was latched.
     report: Producer<'q, FaultReport, FAULTS>,
     /// An identification is complete: its numbers, one a period.
-    identified: Producer<'q, Number, WAITING_NUMBERS>,
+    identified: Producer<'q, Number, NUMBERS>,
     tell: Producer<'q, Telemetry, TELEMETRY>,
 }
 
@@ -117,6 +114,6 @@ pub struct DeskEnds<'q> {
     ask: Producer<'q, Request, REQUESTS>,
     answers: Consumer<'q, Option<Denied>, ANSWERS>,
     faults: Consumer<'q, FaultReport, FAULTS>,
-    numbers: Consumer<'q, Number, WAITING_NUMBERS>,
+    numbers: Consumer<'q, Number, NUMBERS>,
     telemetry: Consumer<'q, Telemetry, TELEMETRY>,
 }

@@ -55,8 +55,9 @@ pub use setup::ResetCause;
 use super::Board;
 use crate::app::{ControlEnds, ControlLoop, Earlier};
 use crate::presets::NotStored;
-use core::cell::RefCell;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::{
+    AtomicBool, AtomicPtr, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
+};
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
 use embassy_stm32::gpio::{Flex, Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
@@ -64,7 +65,6 @@ use embassy_stm32::peripherals::{self, ADC1, IWDG};
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{bind_interrupts, interrupt, pac, triggers};
-use embassy_sync::blocking_mutex::{Mutex, raw::CriticalSectionRawMutex};
 use haptics::{Device, FaultKind, Inputs};
 use static_cell::StaticCell;
 
@@ -92,6 +92,7 @@ const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000 * (LATCH_NS / 100) / 10
 /// Ticks of a control period after a start.
 const PERIOD_TICKS: u32 = TICK_HZ / LOOP_HZ;
 const ENABLE_PIN: usize = 10;
+const STOP_PIN: usize = 7;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
@@ -118,8 +119,11 @@ const STOP_PERIODS: u32 = 3;
 impl Loop {
     fn step(&mut self) {
         let inputs = self.hardware.sample();
-        self.stop_open =
-            if self.hardware.emergency_stop.is_high() { self.stop_open.saturating_add(1) } else { 0 };
+        self.stop_open = if pac::GPIOC.idr().read().idr(STOP_PIN) == pac::gpio::vals::Idr::HIGH {
+            self.stop_open.saturating_add(1)
+        } else {
+            0
+        };
         let trouble = if self.stop_open >= STOP_PERIODS {
             Some(FaultKind::EmergencyStop)
         } else if SUPPLY_LOW.load(Relaxed) {
@@ -142,16 +146,18 @@ impl Loop {
         }
         let cycles = pac::TIM5.cnt().read().wrapping_sub(inputs.sample_ticks);
         if u32::from(pac::TIM6.cnt().read().cnt()) >= LATCH_COUNTS {
-            LATE.fetch_add(1, Relaxed);
+            LATE.store(LATE.load(Relaxed).wrapping_add(1), Relaxed);
         }
-        WORST.fetch_max(cycles, Relaxed);
-        STEPS.fetch_add(1, Relaxed);
+        // nobody else writes them
+        if cycles > WORST.load(Relaxed) {
+            WORST.store(cycles, Relaxed);
+        }
+        STEPS.store(STEPS.load(Relaxed).wrapping_add(1), Relaxed);
     }
 }
 
-/// By reference, so that it is not among the data that the flash holds.
-static LOOP: Mutex<CriticalSectionRawMutex, RefCell<Option<&'static mut Loop>>> =
-    Mutex::new(RefCell::new(None));
+/// What the control interrupt works with: handed over once, before it is enabled, and its own from then on.
+static LOOP: AtomicPtr<Loop> = AtomicPtr::new(core::ptr::null_mut());
 /// The supply is below the threshold of the voltage detector.
 static SUPPLY_LOW: AtomicBool = AtomicBool::new(false);
 static STEPS: AtomicU32 = AtomicU32::new(0);
@@ -186,13 +192,10 @@ pub fn worst_cycles() -> u32 {
 /// The control interrupt: end of the injected sequence of ADC1.
 #[interrupt]
 fn ADC1_2() {
-    LOOP.lock(|cell| {
-        // the interrupt cannot interrupt itself, so the borrow succeeds; a panic path would be dead code here
-        let Ok(mut control) = cell.try_borrow_mut() else { return };
-        if let Some(control) = control.as_mut() {
-            control.step();
-        }
-    });
+    // SAFETY: null, or what `start` gave away for good. Nobody else has it, and the interrupt cannot interrupt itself.
+    if let Some(control) = unsafe { LOOP.load(Acquire).as_mut() } {
+        control.step();
+    }
 }
 
 /// The voltage detector: VDD fell below 2.9 V or is back. The control step may come between any two lines; it sees the
@@ -212,10 +215,10 @@ fn PVD_PVM() {
     }
 }
 
-/// The registers the control step reads and writes.
+/// What the control step reads and writes by its registers, kept as it was set up.
 struct Hardware {
-    adc: InjectedAdc<'static, ADC1, 2>,
-    emergency_stop: Input<'static>,
+    _adc: InjectedAdc<'static, ADC1, 2>,
+    _emergency_stop: Input<'static>,
 }
 
 impl Hardware {
@@ -227,7 +230,7 @@ impl Hardware {
             w.set_jeos(true);
             w.set_jeoc(true);
         });
-        let [load_code, accel_code] = self.adc.read_injected_samples();
+        let [load_code, accel_code] = [pac::ADC1.jdr(0).read().jdata(), pac::ADC1.jdr(1).read().jdata()];
         Inputs { sample_ticks, count, edge_ticks, load_code, accel_code }
     }
 
@@ -337,7 +340,7 @@ impl Peripherals {
             true,
         );
         Self {
-            hardware: Hardware { adc, emergency_stop: Input::new(p.PC7, Pull::Up) },
+            hardware: Hardware { _adc: adc, _emergency_stop: Input::new(p.PC7, Pull::Up) },
             console,
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
             led: Output::new(p.PA5, Level::Low, Speed::Low),
@@ -366,7 +369,7 @@ impl Peripherals {
             raised: false,
             period_ticks: PERIOD_TICKS,
         });
-        LOOP.lock(|cell| cell.replace(Some(running)));
+        LOOP.store(running, Release);
         interrupt::ADC1_2.set_priority(Priority::P0);
         interrupt::PVD_PVM.set_priority(Priority::P1); // right below the control step
         interrupt::LPUART1.set_priority(Priority::P6);

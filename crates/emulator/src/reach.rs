@@ -135,7 +135,10 @@ impl Image {
                         break;
                     }
                     Flow::Register(returns) => {
-                        reach.indirect.push((at, name));
+                        match self.loaded(at) {
+                            Some(function) if returns => open.push(function),
+                            _ => reach.indirect.push((at, name)),
+                        }
                         if !returns {
                             break;
                         }
@@ -153,10 +156,39 @@ impl Image {
         Ok(reach)
     }
 
-    /// Targets of a `tbb` or `tbh` whose table lies at `at`: it ends where the compiler marks code again (`$t`).
+    /// Where a `blx rm` at `at` leads when its register holds a constant: optimised for size, one function that is called
+    /// several times is called so. The constant is the last one that is loaded into that register before, and only the
+    /// address of a function counts.
+    fn loaded(&self, at: u32) -> Option<u32> {
+        let register = u32::from(self.half(at).ok()?) >> 3 & 15;
+        let before = self.functions.partition_point(|(address, _)| *address <= at);
+        let mut place = self.functions.get(before.checked_sub(1)?)?.0;
+        let mut literal = None;
+        while place < at {
+            let (first, second) = (self.half(place).ok()?, self.half(place + 2).ok()?);
+            let (a, b) = (u32::from(first), u32::from(second));
+            let pc = place.wrapping_add(4) & !3;
+            if a >> 11 == 0b01001 && a >> 8 & 7 == register {
+                literal = Some(pc + ((a & 0xff) << 2));
+            } else if a == 0xf8df && b >> 12 == register {
+                literal = Some(pc + (b & 0xfff));
+            }
+            place += decode(place, first, second).0;
+        }
+        let word = |at: u32| Some(u32::from(self.half(at).ok()?) | u32::from(self.half(at + 2).ok()?) << 16);
+        let function = word(literal?)?;
+        let entry = function & !1;
+        let known = self.functions.binary_search_by_key(&entry, |(address, _)| *address & !1).is_ok();
+        (function & 1 == 1 && known).then_some(entry)
+    }
+
+    /// Targets of a `tbb` or `tbh` whose table lies at `at`: it ends at the latest where the compiler marks code again
+    /// (`$t`). Constants may come between; they begin where an entry would lead nowhere, or out of the function.
     fn table(&self, at: u32, size: usize) -> Result<Vec<u32>, Lost> {
         let next = self.code.partition_point(|address| *address <= at);
         let end = *self.code.get(next).ok_or(Lost::OutsideFlash(at))?;
+        let next = self.functions.partition_point(|(address, _)| *address <= at);
+        let function_end = self.functions.get(next).map_or(u32::MAX, |(address, _)| *address);
         let mut targets = Vec::new();
         for entry in (at..end).step_by(size) {
             let half = self.half(entry & !1)?;
@@ -164,10 +196,12 @@ impl Image {
                 1 => u32::from(half.to_le_bytes()[(entry & 1) as usize]),
                 _ => u32::from(half),
             };
-            // a table of bytes is filled up to a whole half-word with zero
-            if steps > 0 {
-                targets.push(at + 2 * steps);
+            let target = at + 2 * steps;
+            // a table of bytes is filled up to a whole half-word with zero, too
+            if target <= entry || target >= function_end {
+                break;
             }
+            targets.push(target);
         }
         Ok(targets)
     }

@@ -93,7 +93,7 @@ impl<S: Scalar> FrictionLaw<S> for Dahl<S> {
     fn validate(&self) -> Result<(), Invalid> {
         in_range("limit_p", self.limit_p, 0.0, limits::LEVEL)?;
         in_range("limit_n", self.limit_n, 0.0, limits::LEVEL)?;
-        in_range("sigma", self.sigma, f64::MIN_POSITIVE, limits::STIFFNESS)?;
+        in_range("sigma", self.sigma, f64::from(f32::MIN_POSITIVE), limits::STIFFNESS)?;
         in_range("exponent", self.exponent, 0.0, 10.0)?;
         in_range("viscous", self.viscous, -limits::VISCOUS, limits::VISCOUS)
     }

@@ -46,6 +46,7 @@ impl<S: Scalar> Karnopp<S> {
 impl<S: Scalar> FrictionLaw<S> for Karnopp<S> {
     type State = ();
 
+    #[inline(always)] // part of nearly every control step
     fn step(&self, (): &mut (), motion: &Motion<S>) -> S {
         if !motion.is_finite() {
             return S::lit(f64::NAN);

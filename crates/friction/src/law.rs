@@ -43,6 +43,7 @@ impl<S: Scalar> Default for Motion<S> {
 impl<S: Scalar> Motion<S> {
     /// The friction that would bring the body to rest at the end of this step: m v / dt + F_a, N. F_a alone where
     /// there is no mass or no time.
+    #[inline(always)]
     pub fn stopping_force(&self) -> S {
         if self.mass > S::zero() && self.dt > S::zero() {
             self.mass * self.velocity / self.dt + self.applied
@@ -53,14 +54,18 @@ impl<S: Scalar> Motion<S> {
 
     /// Whether every number that is there is finite. A law answers a motion that is not with NaN and keeps its
     /// memory as it was, so one bad sample shows and does not last.
+    #[inline(always)] // where a motion was just put together, it is in registers
     pub fn is_finite(&self) -> bool {
-        self.dt.is_finite()
-            && self.position.is_finite()
-            && self.displacement.is_finite()
-            && self.velocity.is_finite()
-            && self.applied.is_finite()
-            && self.mass.is_finite()
-            && self.normal.is_none_or(S::is_finite)
+        let normal = self.normal.unwrap_or(S::zero());
+        S::are_finite([
+            self.dt,
+            self.position,
+            self.displacement,
+            self.velocity,
+            self.applied,
+            self.mass,
+            normal,
+        ])
     }
 }
 
@@ -106,11 +111,11 @@ impl core::error::Error for Invalid {}
 /// # Errors
 /// [`Invalid`] naming the parameter and the accepted range.
 pub fn in_range<S: Scalar>(parameter: &'static str, value: S, min: f64, max: f64) -> Result<(), Invalid> {
-    let value = value.re();
-    if value.is_finite() && value >= min && value <= max {
+    // in `S`: a limit that is typed is within, and `f64` is software on the target
+    if value.is_finite() && value >= S::lit(min) && value <= S::lit(max) {
         Ok(())
     } else {
-        Err(Invalid { parameter, value, min, max })
+        Err(Invalid { parameter, value: value.re(), min, max })
     }
 }
 

@@ -63,6 +63,10 @@ pub trait Scalar:
     fn is_finite(self) -> bool {
         self.re().is_finite()
     }
+    /// Whether all the numbers of a motion are finite.
+    fn are_finite(numbers: [Self; 7]) -> bool {
+        numbers.into_iter().all(Self::is_finite)
+    }
     /// Whether this number carries a derivative, so that a shortcut for one value would lose it.
     fn has_derivative(self) -> bool {
         false
@@ -102,6 +106,11 @@ macro_rules! scalar_by_libm {
             // not by way of f64, which is software on the target
             fn is_finite(self) -> bool {
                 <$float>::is_finite(self)
+            }
+            // what is not finite is NaN when multiplied by 0: one comparison instead of seven in every control step
+            #[inline(always)]
+            fn are_finite([a, b, c, d, e, f, g]: [Self; 7]) -> bool {
+                a * 0.0 + b * 0.0 + c * 0.0 + d * 0.0 + e * 0.0 + f * 0.0 + g * 0.0 == 0.0
             }
         }
     };

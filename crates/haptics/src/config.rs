@@ -4,7 +4,7 @@ use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
 use crate::silence;
 use crate::{Biquad, Device, RendererKind, Settings};
-use friction::effects::Effect;
+use friction::effects::{Effect, EffectKind};
 use friction::{Law, Scalar};
 
 /// Time constant of a swap's difference, s: gone in some 20 ms, too slow to click, too fast to feel.
@@ -17,6 +17,9 @@ pub struct Config {
     pub(crate) renderer: RendererKind,
     pub(crate) law: Law<f32>,
     pub(crate) effects: [Option<Effect<f32>>; MAX_EFFECTS],
+    /// What of [`Self::effects`] a contact is asked for in a swap.
+    pub(crate) kinds: [Option<EffectKind>; MAX_EFFECTS],
+    pub(crate) has_effects: bool,
     pub(crate) dv: f32,
     pub(crate) mass: f32,
     pub(crate) stiffness: f32,
@@ -43,6 +46,8 @@ impl Config {
             renderer: settings.renderer,
             law: settings.friction_law(),
             effects: settings.effects,
+            kinds: settings.effects.map(|effect| effect.map(|effect| effect.kind)),
+            has_effects: settings.effects.iter().any(Option::is_some),
             dv: settings.dv,
             mass: settings.mass,
             stiffness: settings.k_vc,

@@ -149,7 +149,7 @@ impl core::error::Error for BadCommand<'_> {}
 
 /// The words of a line, taken one by one against a usage.
 struct Words<'a> {
-    rest: core::str::SplitWhitespace<'a>,
+    rest: core::str::SplitAsciiWhitespace<'a>,
     usage: &'static str,
 }
 
@@ -175,7 +175,7 @@ impl<'a> Command<'a> {
     /// # Errors
     /// [`BadCommand`], one line with what would be accepted.
     pub fn parse(line: &'a str) -> Result<Option<Self>, BadCommand<'a>> {
-        let mut rest = line.split_whitespace();
+        let mut rest = line.split_ascii_whitespace();
         let Some(word) = rest.next() else { return Ok(None) };
         let mut words = Words { rest, usage: word_usage(word).ok_or(BadCommand::Unknown(word))? };
         let command = match word {

@@ -66,7 +66,7 @@ impl fmt::Display for PresetError<'_> {
 impl core::error::Error for PresetError<'_> {}
 
 /// A place for a saved preset.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 enum Place {
     #[default]
     Free,
@@ -124,7 +124,7 @@ impl PresetStore {
     /// Places that hold something this firmware cannot read.
     #[must_use]
     pub fn unreadable(&self) -> usize {
-        self.places.iter().filter(|place| **place == Place::Unreadable).count()
+        self.places.iter().filter(|place| matches!(place, Place::Unreadable)).count()
     }
 
     fn place(&self, name: &str) -> Option<usize> {
@@ -160,8 +160,9 @@ impl PresetStore {
             return Err(PresetError::BuiltIn(name));
         }
         let key = short(name).ok_or(PresetError::BadName(name))?;
-        let with = |wanted: Place| self.places.iter().position(move |place| *place == wanted);
-        let at = self.place(name).or_else(|| with(Place::Free)).or_else(|| with(Place::Unreadable));
+        let with = |wanted: fn(&Place) -> bool| self.places.iter().position(wanted);
+        let at = self.place(name).or_else(|| with(|place| matches!(place, Place::Free)));
+        let at = at.or_else(|| with(|place| matches!(place, Place::Unreadable)));
         Ok(Change::save(at.ok_or(PresetError::Full)?, key, *settings))
     }
 

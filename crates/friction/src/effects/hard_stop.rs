@@ -36,11 +36,11 @@ impl Signature for HardStop {
         [(x - x_max).max(zero), (x - x_min).min(zero), zero, zero]
     }
 
-    fn check_shape(&[x_max, x_min]: &[f64; MAX_SHAPE]) -> Result<(), Invalid> {
+    fn check_shape<S: Scalar>(&[x_max, x_min]: &[S; MAX_SHAPE]) -> Result<(), Invalid> {
         if x_max >= x_min {
             Ok(())
         } else {
-            Err(Invalid { parameter: "x_max", value: x_max, min: x_min, max: 1e3 })
+            Err(Invalid { parameter: "x_max", value: x_max.re(), min: x_min.re(), max: 1e3 })
         }
     }
 }

@@ -68,7 +68,7 @@ macro_rules! catalogue {
                 }
                 match self { $(Self::$Effect => <$Effect as Signature>::unit(shape, memory, motion),)* }
             }
-            fn check_shape(self, shape: &[f64; MAX_SHAPE]) -> Result<(), Invalid> {
+            fn check_shape<S: Scalar>(self, shape: &[S; MAX_SHAPE]) -> Result<(), Invalid> {
                 match self { $(Self::$Effect => <$Effect as Signature>::check_shape(shape),)* }
             }
         }
@@ -121,6 +121,7 @@ pub struct EffectState<S> {
 }
 
 impl<S: Scalar> Default for EffectState<S> {
+    #[inline(always)] // four of them are made in a control step
     fn default() -> Self {
         Self { memory: [S::zero(); MAX_MEMORY] }
     }
@@ -157,7 +158,7 @@ impl<S: Scalar> Effect<S> {
     pub fn validate(&self) -> Result<(), Invalid> {
         check(self.kind.gains(), &self.gains, "unused gain")?;
         check(self.kind.shape(), &self.shape, "unused shape")?;
-        self.kind.check_shape(&self.shape.map(S::re))
+        self.kind.check_shape(&self.shape)
     }
 }
 

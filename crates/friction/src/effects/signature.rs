@@ -60,7 +60,7 @@ pub trait Signature {
     ///
     /// # Errors
     /// The parameter that does not fit the others.
-    fn check_shape(_shape: &[f64; MAX_SHAPE]) -> Result<(), Invalid> {
+    fn check_shape<S: Scalar>(_shape: &[S; MAX_SHAPE]) -> Result<(), Invalid> {
         Ok(())
     }
 }

@@ -5,102 +5,123 @@
 //! x' = x + α(T) v + β₁ F₋₁ + β₀ F,  v' = E v + γ₁ F₋₁ + γ₀ F,  E = e^(−bT/m)
 //!
 //! with α, β, γ of eq. 4.17 over the parts of the period (Åström and Wittenmark, *Computer-Controlled Systems*, 3.2).
+//! In units of T and m: lengths of time in T, damping in m/T, stiffness in m/T². K and B enter every coefficient of
+//! the characteristic polynomial z³ + a₂z² + a₁z + a₀ linearly.
 
-use super::stiffness_max;
+use friction::Scalar;
 
-/// What the device does in one period.
-struct Sampled {
-    e: f64,
-    alpha: f64,
-    beta: [f64; 2],
-    gamma: [f64; 2],
+/// What a free device does while a constant force acts on it.
+pub(super) struct Free<S> {
+    /// What is left of its velocity, e^(−bt/m).
+    pub e: S,
+    /// How far a velocity carries it.
+    pub alpha: S,
+    /// How far a force carries it.
+    pub beta: S,
+    /// How fast a force makes it.
+    pub gamma: S,
 }
 
-impl Sampled {
-    fn new(mass: f64, damping: f64, period: f64, delay: f64) -> Self {
-        // far below what any bearing has, and above where the differences below lose their digits
-        let damping = damping.max(1e-5 * mass / period);
-        let lost = |t: f64| -libm::expm1(-damping * t / mass);
-        let alpha = |t: f64| mass / damping * lost(t);
-        let beta = |t: f64| (t - alpha(t)) / damping;
-        let (whole, rest) = (lost(period) / damping, lost(period - delay) / damping);
-        Self {
-            e: 1.0 - lost(period),
-            alpha: alpha(period),
-            beta: [beta(period - delay), beta(period) - beta(period - delay)],
-            gamma: [rest, whole - rest],
-        }
-    }
-
-    /// a₀, a₁, a₂ of z³ + a₂z² + a₁z + a₀; each linear in K.
-    fn polynomial(&self, k: f64, b: f64) -> [f64; 3] {
-        let Self { e, alpha, beta: [beta_0, beta_1], gamma: [gamma_0, gamma_1] } = *self;
-        let (m00, m01, m10, m11) = (1.0 - beta_0 * k, alpha - beta_0 * b, -gamma_0 * k, e - gamma_0 * b);
-        [
-            -(beta_1 * (m11 * k - m10 * b) + gamma_1 * (m00 * b - m01 * k)),
-            m00 * m11 - m01 * m10 + beta_1 * k + gamma_1 * b,
-            -(m00 + m11),
-        ]
+impl<S: Scalar> Free<S> {
+    /// During the time `t`, periods, where damping takes the share 1 − e^(−x) in one period.
+    pub fn over(t: S, x: S) -> Self {
+        let (one, half) = (S::one(), S::lit(0.5));
+        let y = x * t;
+        // φ₁ = (1 − e^−y)/y, φ₂ = (1 − φ₁)/y: from φ₃ = (½ − φ₂)/y upwards nothing cancels
+        let (e, phi_1, phi_2) = if y < one {
+            let (mut term, mut phi_3, mut k) = (S::lit(1.0 / 6.0), S::zero(), S::lit(3.0));
+            for _ in 0..18 {
+                phi_3 += term;
+                k += one;
+                term *= -y / k;
+            }
+            let phi_2 = half - y * phi_3;
+            let phi_1 = one - y * phi_2;
+            (one - y * phi_1, phi_1, phi_2)
+        } else {
+            let e = (-y).exp();
+            let phi_1 = (one - e) / y;
+            (e, phi_1, (one - phi_1) / y)
+        };
+        Self { e, alpha: t * phi_1, beta: t * t * phi_2, gamma: t * phi_1 }
     }
 }
 
-/// Where c₀ + c₁t + c₂t², positive at `from`, is first zero beyond it.
-fn first_zero([c0, c1, c2]: [f64; 3], from: f64) -> f64 {
-    let beyond = |t: f64| if t > from { t } else { f64::INFINITY };
-    if c2 == 0.0 {
+/// A condition c₀ + c₁K + c₂K² > 0.
+type Condition<S> = [S; 3];
+
+/// The condition p + qK > 0.
+fn linear<S: Scalar>(p: S, q: S) -> Condition<S> {
+    [p, q, S::zero()]
+}
+
+/// What a polynomial that is linear in K is times another one.
+fn product<S: Scalar>((p, q): (S, S), (r, s): (S, S)) -> Condition<S> {
+    [p * r, p * s + q * r, q * s]
+}
+
+/// Up to where the condition holds from K = 0 on.
+fn holds_to<S: Scalar>([c0, c1, c2]: Condition<S>) -> S {
+    let (zero, never) = (S::zero(), S::lit(f64::INFINITY));
+    if !(c0 > zero) {
+        return zero;
+    }
+    let beyond = |k: S| if k > zero { k } else { never };
+    if c2 == zero {
         return beyond(-c0 / c1);
     }
-    let discriminant = c1 * c1 - 4.0 * c2 * c0;
-    if !(discriminant >= 0.0) {
-        return f64::INFINITY;
+    let discriminant = c1 * c1 - S::lit(4.0) * c2 * c0;
+    if !(discriminant >= zero) {
+        return never;
     }
     // without the difference of what is nearly equal
-    let q = -0.5 * (c1 + if c1 < 0.0 { -libm::sqrt(discriminant) } else { libm::sqrt(discriminant) });
+    let root = discriminant.sqrt();
+    let q = S::lit(-0.5) * (c1 + if c1 < zero { -root } else { root });
     beyond(q / c2).min(beyond(c0 / q))
 }
 
 /// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes when the force acts `delay` s after the sample,
-/// with an exact velocity. Delays beyond one period count as one. Zero where B alone is already too much. Without
-/// delay it is [`stiffness_max`].
+/// with an exact velocity. Delays beyond one period count as one. Zero where B alone is already too much, or where
+/// there is no damping at all.
 ///
-/// Jury's conditions are linear and quadratic in K: the bound is the first zero of any of them, no search.
+/// Jury's conditions are linear and quadratic in K: the bound is the first zero of any of them, no search. The one at
+/// z = 1 is K times something positive.
 #[must_use]
-pub fn stiffness_max_delayed(mass: f64, damping: f64, period: f64, coupling_damping: f64, delay: f64) -> f64 {
-    let most = stiffness_max(mass, damping, period, coupling_damping);
-    if !(delay > 0.0) || !(most > 0.0) {
-        return most;
-    }
-    let sampled = Sampled::new(mass, damping, period, delay.min(period));
-    // K = t·most
-    let at_0 = sampled.polynomial(0.0, coupling_damping);
-    let at_1 = sampled.polynomial(most, coupling_damping);
-    let a = |i: usize| (at_0[i], at_1[i] - at_0[i]);
-    let ((p0, q0), (p1, q1), (p2, q2)) = (a(0), a(1), a(2));
-    // 1 − a₀² ∓ (a₁ − a₀a₂)
-    let (base, cross) =
-        ([1.0 - p0 * p0, -2.0 * p0 * q0, -q0 * q0], [p1 - p0 * p2, q1 - p0 * q2 - q0 * p2, -q0 * q2]);
-    let conditions = [
-        [1.0 + p2 + p1 + p0, q2 + q1 + q0, 0.0],
-        [1.0 - p2 + p1 - p0, q1 - q2 - q0, 0.0],
-        [1.0 - p0, -q0, 0.0],
-        [1.0 + p0, q0, 0.0],
-        [base[0] - cross[0], base[1] - cross[1], base[2] - cross[2]],
-        [base[0] + cross[0], base[1] + cross[1], base[2] + cross[2]],
-    ];
-    // at K = 0 the free handle's pole is on the unit circle, so the start is a little beyond it
-    let start = 1e-6;
-    let mut t = f64::INFINITY;
-    for c in conditions {
-        if !(c[0] + start * (c[1] + start * c[2]) > 0.0) {
-            return 0.0;
-        }
-        t = t.min(first_zero(c, start));
-    }
-    if t.is_finite() { t * most } else { most }
+pub fn stiffness_max_delayed<S: Scalar>(mass: S, damping: S, period: S, coupling_damping: S, delay: S) -> S {
+    let (one, two) = (S::one(), S::lit(2.0));
+    let per_period = period / mass;
+    let (x, b) = (damping * per_period, coupling_damping * per_period);
+    let d = (delay / period).clamp(S::zero(), one);
+    let (old, new) = (Free::over(d, x), Free::over(one - d, x));
+    let e = old.e * new.e;
+    // 1 − E, as a sum
+    let lost = x * (old.alpha + old.e * new.alpha);
+    // what the old force does to the speed: it acts, then the device coasts
+    let gamma_1 = old.gamma * new.e;
+    let beta_1 = old.beta + old.gamma * new.alpha;
+    // γ₀α − β₀E and γ₁α − β₁E
+    let curl_0 = new.gamma * new.alpha + new.e * (new.gamma * old.alpha - new.beta * old.e);
+    let curl_1 = new.e * (old.gamma * (new.alpha * (x * old.alpha) + new.e * old.alpha) - old.beta * old.e);
+    // each p + qK
+    let a0 = (-gamma_1 * b, curl_1);
+    let a2 = (new.gamma * b - one - e, new.beta);
+    let a1_below_1 = (lost + (new.gamma - gamma_1) * b, -curl_0 - beta_1);
+    let sum = (a2.0 + a0.0, a2.1 + a0.1);
+    // (1 − a₁) + a₀(a₂ − a₀), and 1 + a₁ − a₀(a₂ + a₀)
+    let [c0, c1, c2] = product(a0, (a2.0 - a0.0, a2.1 - a0.1));
+    let inner = [a1_below_1.0 + c0, a1_below_1.1 + c1, c2];
+    let [c0, c1, c2] = product(a0, sum);
+    let outer = [two - a1_below_1.0 - c0, -a1_below_1.1 - c1, -c2];
+    // 1 − a₂ + a₁ − a₀
+    let flip = linear(two - a1_below_1.0 - sum.0, -a1_below_1.1 - sum.1);
+    let conditions = [flip, linear(one - a0.0, -a0.1), linear(one + a0.0, a0.1), inner, outer];
+    let k = conditions.into_iter().map(holds_to).fold(S::lit(f64::INFINITY), S::min);
+    if k.is_finite() { k * mass / (period * period) } else { S::zero() }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::stiffness_max;
     use super::*;
     use std::println;
 
@@ -156,11 +177,43 @@ mod tests {
     }
 
     #[test]
-    fn without_delay_it_is_the_closed_form_and_a_short_one_is_near_it() {
-        for b in [0.0, 3.0, 15.0, 100.0] {
-            let free = stiffness_max(1.0, 10.0, 1e-3, b);
-            assert_eq!(stiffness_max_delayed(1.0, 10.0, 1e-3, b, 0.0), free);
-            let short = stiffness_max_delayed(1.0, 10.0, 1e-3, b, 1e-9);
+    fn single_precision_gives_the_same_bound_to_a_hundred_thousandth() {
+        let mut worst = 0.0_f64;
+        for (mass, damping) in
+            [(0.692, 6.92), (0.692, 1.0), (0.692, 0.01), (0.1, 30.0), (2.0, 0.05), (0.02, 40.0)]
+        {
+            for period in [1e-3, 5e-4, 1e-4, 5e-5] {
+                for delay in [0.0, 20e-6, 33e-6, 1e-3] {
+                    for b in [0.0, 0.3, 3.0, 15.0, 60.0, 500.0] {
+                        let exact = stiffness_max_delayed(mass, damping, period, b, delay);
+                        let [m, d, t, b, l] = [mass, damping, period, b, delay].map(|x| x as f32);
+                        let single = f64::from(stiffness_max_delayed(m, d, t, b, l));
+                        // on the edge of B alone being too much, the bound is a difference
+                        if exact > 1.0 {
+                            worst = worst.max((single / exact - 1.0).abs());
+                        }
+                        assert!(
+                            (single - exact).abs() <= 1e-5 * exact + 1e-3,
+                            "{mass} {damping} {period} {delay} {b}"
+                        );
+                    }
+                }
+            }
+        }
+        println!("f32 against f64: {worst:.1e}");
+    }
+
+    #[test]
+    fn without_delay_it_is_the_printed_closed_form() {
+        let (m, b, t) = (1.0_f64, 10.0, 1e-3);
+        for coupling in [0.0, 3.0, 15.0, 100.0] {
+            // det < 1 of the sampled device: (1 − E + γB)/(γα − βE), as eq. 4.17 and 4.18 print them
+            let (tau, e) = (m / b, (-b * t / m).exp());
+            let (alpha, gamma) = (tau * (1.0 - e), (1.0 - e) / b);
+            let printed = (1.0 - e + gamma * coupling) / (gamma * alpha - (t - alpha) / b * e);
+            let free = stiffness_max_delayed(m, b, t, coupling, 0.0);
+            assert!((free / printed - 1.0).abs() < 1e-6, "{free} {printed}");
+            let short = stiffness_max_delayed(m, b, t, coupling, 1e-9);
             assert!((short / free - 1.0).abs() < 1e-4, "{short} {free}");
         }
         assert!(stiffness_max_delayed(1.0, 0.0, 1e-3, 10.0, 2e-5) > 0.0);

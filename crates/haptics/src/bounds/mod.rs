@@ -1,8 +1,9 @@
 //! Stability and limit-cycle bounds of chapter 4, closed form.
 //!
 //! The device is eq. 4.14 (mass m, damping b) sampled with period T through a zero-order hold, so E = e^(−T/τ) and
-//! τ = m/b. `f64`: the differences below cancel four digits, which `f32` does not have to give away. None of this
-//! runs in the control step.
+//! τ = m/b. Written without the differences that cancel (the printed forms lose four digits at x = bT/m = 0.01, and are
+//! 0/0 without damping), so that `f32` does: the device validates in it, where `f64` is software and 10 kB of flash.
+//! None of this runs in the control step.
 
 mod closed_loop;
 mod delay;
@@ -10,29 +11,17 @@ mod delay;
 pub use closed_loop::{ClosedLoop, Grasp};
 pub use delay::stiffness_max_delayed;
 
-/// E = e^(−T/τ): what is left of a velocity after one period.
-fn decay(mass: f64, damping: f64, period: f64) -> f64 {
-    1.0 + libm::expm1(-damping * period / mass)
-}
-
-/// 1 − e^(−x)(1 + x), without the cancellation at small x.
-fn one_minus_decay(x: f64) -> f64 {
-    if x < 0.05 {
-        x * x * (0.5 - x * (1.0 / 3.0 - x * (0.125 - x * (1.0 / 30.0 - x / 144.0))))
-    } else {
-        1.0 - (1.0 + libm::expm1(-x)) * (1.0 + x)
-    }
-}
+use friction::Scalar;
 
 /// Largest gain K_p of the stuck state, N/m (from eq. 4.18; eq. 4.19 is misprinted): b(1−E)/(τ−τE−TE).
 ///
 /// ```
 /// // m = 1 kg, b = 10 N·s/m, T = 1 ms: "about 20,000" in the thesis
-/// assert!((haptics::bounds::kp_max(1.0, 10.0, 1e-3) - 20_033.4).abs() < 0.05);
+/// assert!((haptics::bounds::kp_max(1.0_f64, 10.0, 1e-3) - 20_033.4).abs() < 0.05);
 /// ```
 #[must_use]
-pub fn kp_max(mass: f64, damping: f64, period: f64) -> f64 {
-    stiffness_max(mass, damping, period, 0.0)
+pub fn kp_max<S: Scalar>(mass: S, damping: S, period: S) -> S {
+    stiffness_max(mass, damping, period, S::zero())
 }
 
 /// Smallest gain K_p, N/m, that follows a force of `frequency` Hz (4.5.1.3): the natural frequency of the stuck handle
@@ -43,93 +32,60 @@ pub fn kp_min(mass: f64, frequency: f64) -> f64 {
     mass * natural * natural
 }
 
-/// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes, with an exact velocity and no delay: the two
-/// Jury conditions that can fail, det < 1 and 1 + trace + det > 0, of the sampled device. `coupling_damping` = 0
-/// is [`kp_max`]. Zero where `coupling_damping` alone is already too much.
+/// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes, with an exact velocity and no delay.
+/// `coupling_damping` = 0 is [`kp_max`]. Zero where `coupling_damping` alone is already too much.
 #[must_use]
-pub fn stiffness_max(mass: f64, damping: f64, period: f64, coupling_damping: f64) -> f64 {
-    // x' = x + α v + β u, v' = E v + γ u, all divided through so that b → 0 stays finite
-    let x = damping * period / mass;
-    let e = decay(mass, damping, period);
-    let (gamma, alpha) = if x < 1e-9 {
-        (period / mass, period)
-    } else {
-        let one_minus_e = -libm::expm1(-x);
-        (one_minus_e / damping, one_minus_e * mass / damping)
-    };
-    // γα − βE = τ(1 − E − xE)/b, and β = (T − α)/b by its series partner
-    let curl = if x < 1e-9 {
-        period * period / (2.0 * mass)
-    } else {
-        mass * one_minus_decay(x) / (damping * damping)
-    };
-    let beta = if x < 1e-4 { period * period / mass * (0.5 - x / 6.0) } else { (period - alpha) / damping };
-    let by_determinant = (x_or(1.0 - e, x) + gamma * coupling_damping) / curl;
-    let flip = 2.0 + 2.0 * e - 2.0 * gamma * coupling_damping;
-    let slope = beta + beta * e - gamma * alpha;
-    let limit = if flip <= 0.0 {
-        0.0
-    } else if slope > 0.0 {
-        by_determinant.min(flip / slope)
-    } else {
-        by_determinant
-    };
-    limit.max(0.0)
-}
-
-/// 1 − E, exact for the smallest x.
-fn x_or(one_minus_e: f64, x: f64) -> f64 {
-    if x < 1e-6 { x } else { one_minus_e }
+pub fn stiffness_max<S: Scalar>(mass: S, damping: S, period: S, coupling_damping: S) -> S {
+    stiffness_max_delayed(mass, damping, period, coupling_damping, S::zero())
 }
 
 /// Largest damping, N·s/m, that the sampled device takes with no stiffness: b(1+E)/(1−E).
 #[must_use]
-pub fn damping_max(mass: f64, damping: f64, period: f64) -> f64 {
-    friction_max(mass, damping, period, 1.0)
+pub fn damping_max<S: Scalar>(mass: S, damping: S, period: S) -> S {
+    friction_max(mass, damping, period, S::one())
 }
 
 /// Largest dynamic friction, N, without the zero-crossing limit cycle on the bare device, for a dead band `dv` in
 /// m/s (eq. 4.21): b·DV·(1+E)/(1−E). The printed minus sign is a direction.
 #[must_use]
-pub fn friction_max(mass: f64, damping: f64, period: f64, dv: f64) -> f64 {
-    let x = damping * period / mass;
-    if x < 1e-9 {
-        return 2.0 * mass * dv / period;
-    }
-    damping * dv * (1.0 + decay(mass, damping, period)) / -libm::expm1(-x)
+pub fn friction_max<S: Scalar>(mass: S, damping: S, period: S, dv: S) -> S {
+    let free = delay::Free::over(S::one(), damping * period / mass);
+    // γ = (1 − E)m/bT
+    mass / period * dv * (S::one() + free.e) / free.gamma
 }
 
 /// Velocity amplitude, m/s, of the zero-crossing limit cycle with the virtual coupling and a handle held still
 /// (eq. 4.35): 2FT/(4M − KT² − 2BT). Infinite at and beyond the singularity, where the block itself is unstable.
 #[must_use]
-pub fn limit_cycle_velocity(friction: f64, mass: f64, stiffness: f64, damping: f64, period: f64) -> f64 {
-    let room = 4.0 * mass - stiffness * period * period - 2.0 * damping * period;
-    if room > 0.0 { 2.0 * friction * period / room } else { f64::INFINITY }
+pub fn limit_cycle_velocity<S: Scalar>(friction: S, mass: S, stiffness: S, damping: S, period: S) -> S {
+    let two = S::lit(2.0);
+    let room = two * two * mass - stiffness * period * period - two * damping * period;
+    if room > S::zero() { two * friction * period / room } else { S::lit(f64::INFINITY) }
 }
 
 /// Position amplitude of the same limit cycle, m: vT/2 by eq. 4.31 (eq. 4.36 is printed twice too large).
 #[must_use]
-pub fn limit_cycle_position(friction: f64, mass: f64, stiffness: f64, damping: f64, period: f64) -> f64 {
-    limit_cycle_velocity(friction, mass, stiffness, damping, period) * period / 2.0
+pub fn limit_cycle_position<S: Scalar>(friction: S, mass: S, stiffness: S, damping: S, period: S) -> S {
+    limit_cycle_velocity(friction, mass, stiffness, damping, period) * period / S::lit(2.0)
 }
 
 /// Coupling damping B, N·s/m, at which eq. 4.35 is singular: (4M − KT²)/2T.
 #[must_use]
-pub fn damping_singular(mass: f64, stiffness: f64, period: f64) -> f64 {
-    (4.0 * mass - stiffness * period * period) / (2.0 * period)
+pub fn damping_singular<S: Scalar>(mass: S, stiffness: S, period: S) -> S {
+    (S::lit(4.0) * mass - stiffness * period * period) / (S::lit(2.0) * period)
 }
 
 /// Coupling stiffness K, N/m, at which eq. 4.35 is singular: (4M − 2BT)/T².
 #[must_use]
-pub fn stiffness_singular(mass: f64, damping: f64, period: f64) -> f64 {
-    (4.0 * mass - 2.0 * damping * period) / (period * period)
+pub fn stiffness_singular<S: Scalar>(mass: S, damping: S, period: S) -> S {
+    (S::lit(4.0) * mass - S::lit(2.0) * damping * period) / (period * period)
 }
 
 /// Damping to spare, N·s/m, of b > KT/2 + B (Colgate & Schenkel): at or above zero the coupling is passive with
 /// *any* hand. It is sufficient, not necessary; a grasp brings damping of its own.
 #[must_use]
-pub fn passivity_margin(damping: f64, stiffness: f64, coupling_damping: f64, period: f64) -> f64 {
-    damping - (stiffness * period / 2.0 + coupling_damping)
+pub fn passivity_margin<S: Scalar>(damping: S, stiffness: S, coupling_damping: S, period: S) -> S {
+    damping - (stiffness * period / S::lit(2.0) + coupling_damping)
 }
 
 #[cfg(test)]

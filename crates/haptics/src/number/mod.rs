@@ -36,6 +36,14 @@ pub fn parse(text: &str) -> Option<f32> {
     magnitude.is_finite().then_some(if negative { -magnitude } else { magnitude })
 }
 
+/// The number of four digits next to `x` ≥ 0, below or above it; `x` itself if it has no more.
+pub(crate) fn four_digits(x: f32, above: bool) -> f32 {
+    let mut decimal = Decimal::of(x);
+    let up = above && decimal.len() > 4;
+    decimal.cut(4, up);
+    f32::from_bits(decimal.nearest())
+}
+
 /// The digits a text begins with, and what follows.
 fn digits(text: &[u8]) -> (&[u8], &[u8]) {
     let count = text.iter().take_while(|byte| byte.is_ascii_digit()).count();

@@ -48,20 +48,20 @@ struct Direction {
 
 impl Impedance {
     /// Stuck where the handle is, without force.
+    #[inline(always)] // as the virtual coupling's
     pub(crate) fn new(config: &Config, handle: &Handle) -> Self {
         Self {
             grip: Grip::Stuck { entered: handle.position, preload: 0.0 },
             friction: 0.0,
             law: LawState::default(),
             law_kind: discriminant(&config.law),
-            effects: Default::default(),
-            kinds: core::array::from_fn(|at| config.effects[at].as_ref().map(|effect| effect.kind)),
+            effects: [EffectState::default(); MAX_EFFECTS],
+            kinds: config.kinds,
         }
     }
 
     pub(crate) fn fits(&self, config: &Config) -> bool {
-        let kinds = config.effects.iter().map(|effect| effect.as_ref().map(|effect| effect.kind));
-        self.law_kind == discriminant(&config.law) && self.kinds.iter().copied().eq(kinds)
+        self.law_kind == discriminant(&config.law) && self.kinds == config.kinds
     }
 
     pub(crate) fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {

@@ -54,6 +54,7 @@ pub enum Contact {
 impl Contact {
     /// A fresh contact where the handle is, without force.
     #[must_use]
+    #[inline(always)]
     pub fn new(config: &Config, handle: &Handle) -> Self {
         match config.renderer {
             RendererKind::Impedance => Self::Impedance(Impedance::new(config, handle)),

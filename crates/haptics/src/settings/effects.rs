@@ -3,6 +3,7 @@
 use super::parameters::SetWhy;
 use super::{Settings, Value};
 use crate::number;
+use friction::Scalar;
 use friction::effects::{Effect, EffectKind};
 
 /// Where a parameter of an effect lives: in its gains or in its shape.
@@ -20,8 +21,8 @@ fn slot(kind: EffectKind, parameter: &str) -> Option<Slot> {
 fn silent(kind: EffectKind) -> Effect<f32> {
     let mut effect = Effect { kind, gains: [0.0; friction::effects::MAX_GAINS], shape: Default::default() };
     for (value, parameter) in effect.shape.iter_mut().zip(kind.shape()) {
-        let (min, max) = (parameter.min, parameter.max);
-        *value = if min > 0.0 { libm::sqrt(min * max) } else { 0.5 * (min + max) } as f32;
+        let (min, max) = (parameter.min as f32, parameter.max as f32);
+        *value = if min > 0.0 { Scalar::sqrt(min * max) } else { 0.5 * (min + max) };
     }
     effect
 }

@@ -2,7 +2,7 @@
 //! unfaithful is taken with a warning.
 
 use super::{LawKind, RendererKind, Settings};
-use crate::{Accepted, Device, Refused, Warning, bounds};
+use crate::{Accepted, Device, Refused, Warning, bounds, number};
 use friction::effects::EffectKind;
 
 /// Heaviest virtual block, kg.
@@ -10,37 +10,23 @@ const HEAVIEST: f32 = 100.0;
 /// Lightest, kg.
 const LIGHTEST: f32 = 1e-3;
 /// A block is this much heavier than where it would begin to oscillate.
-const HEAVIER: f64 = 1.001;
+const HEAVIER: f32 = 1.001;
 /// Smallest speed that may be taken for zero, and Stribeck velocity, m/s.
 const SLOWEST: f32 = 1e-6;
 /// Share of a bound on damping that is used. A period of delay halves what the sampled device takes.
-const DAMPING_SHARE: f64 = 0.5;
+const DAMPING_SHARE: f32 = 0.5;
 
-/// What makes a positive `x` a number of four digits before the point, and such a number back. By decades, not by
-/// logarithm: `f64` is software on the target.
-fn four_digits(x: f64, round: impl Fn(f64) -> f64) -> f32 {
-    if !(x > 1e-30 && x < 1e30) {
-        return 0.0;
-    }
-    let (mut up, mut down) = (1.0, 1.0);
-    while x * up < 1e3 {
-        up *= 10.0;
-    }
-    while x >= 1e4 * down {
-        down *= 10.0;
-    }
-    // one of the two is 1
-    (round(x * up / down) / up * down) as f32
-}
+/// A bound that is a round number in what people type is one in spite of rounding.
+const ROUNDING: f32 = 1e-6;
 
 /// `x` rounded towards zero to four digits: a number one can type, and still within the bound.
-fn at_most(x: f64) -> f32 {
-    four_digits(x, |x| libm::floor(x * (1.0 + 1e-12)))
+fn at_most(x: f32) -> f32 {
+    if x > 0.0 && x.is_finite() { number::four_digits(x * (1.0 + ROUNDING), false) } else { 0.0 }
 }
 
 /// `x` rounded away from zero to four digits.
-fn at_least(x: f64) -> f32 {
-    four_digits(x, |x| libm::ceil(x * (1.0 - 1e-12)))
+fn at_least(x: f32) -> f32 {
+    if x > 0.0 && x.is_finite() { number::four_digits(x * (1.0 - ROUNDING), true) } else { 0.0 }
 }
 
 fn refuse(parameter: &'static str, value: f32, accepted: Accepted, why: &'static str) -> Result<(), Refused> {
@@ -94,20 +80,13 @@ impl Settings {
     }
 
     /// Stiffness, N/m, that the handle takes beside so much damping (eq. 4.18, with B and the delay).
-    fn stiffness_cap(device: &Device, damping: f64) -> f64 {
-        bounds::stiffness_max_delayed(
-            f64::from(device.mass),
-            f64::from(device.damping),
-            f64::from(device.period),
-            damping,
-            f64::from(device.delay),
-        )
+    fn stiffness_cap(device: &Device, damping: f32) -> f32 {
+        bounds::stiffness_max_delayed(device.mass, device.damping, device.period, damping, device.delay)
     }
 
     /// Most viscous damping, N·s/m, that may be asked for however heavy the block: what the sampled device takes.
-    fn damping_cap(device: &Device) -> f64 {
-        let (mass, damping, period) =
-            (f64::from(device.mass), f64::from(device.damping), f64::from(device.period));
+    fn damping_cap(device: &Device) -> f32 {
+        let (mass, damping, period) = (device.mass, device.damping, device.period);
         DAMPING_SHARE * bounds::damping_max(mass, damping, period)
     }
 
@@ -123,7 +102,7 @@ impl Settings {
         {
             // one level of bristle laws may not be lowered by a slope that the law itself does not bound
             let lowest = match self.law {
-                LawKind::Karnopp | LawKind::Coulomb => -at_most(f64::from(dynamic / device.overspeed)),
+                LawKind::Karnopp | LawKind::Coulomb => -at_most(dynamic / device.overspeed),
                 LawKind::Dahl | LawKind::LuGre => 0.0,
             };
             within(name, value, lowest, at_most(high), why)?;
@@ -150,32 +129,32 @@ impl Settings {
     fn coupling(&self, device: &Device) -> Result<(), Refused> {
         let most = at_most(Self::damping_cap(device));
         within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, a period of delay lets the handle oscillate")?;
-        let most = at_most(Self::stiffness_cap(device, f64::from(self.b_vc)));
+        let most = at_most(Self::stiffness_cap(device, self.b_vc));
         within("k_vc", self.k_vc, 1.0, most, "N/m; above, the stuck handle oscillates (eq. 4.18)")
     }
 
     /// Stiffness of the bristles, N/m; 0 for a law without.
-    fn bristle_stiffness(&self) -> f64 {
-        if matches!(self.law, LawKind::Dahl | LawKind::LuGre) { f64::from(self.sigma) } else { 0.0 }
+    fn bristle_stiffness(&self) -> f32 {
+        if matches!(self.law, LawKind::Dahl | LawKind::LuGre) { self.sigma } else { 0.0 }
     }
 
     /// Damping of the bristles, N·s/m; 0 for a law without.
-    fn bristle_damping(&self) -> f64 {
-        if self.law == LawKind::LuGre { f64::from(self.sigma_1) } else { 0.0 }
+    fn bristle_damping(&self) -> f32 {
+        if self.law == LawKind::LuGre { self.sigma_1 } else { 0.0 }
     }
 
     /// Damping, N·s/m, that the block takes beside its coupling and bristles: KT² + 2BT < 4M, where eq. 4.35 is
     /// singular, with a thousandth to spare.
-    fn room(&self, device: &Device, bristles: f64) -> f64 {
-        let period = f64::from(device.period);
-        bounds::damping_singular(f64::from(self.mass) / HEAVIER, f64::from(self.k_vc) + bristles, period)
-            - f64::from(self.b_vc)
+    fn room(&self, device: &Device, bristles: f32) -> f32 {
+        let period = device.period;
+        bounds::damping_singular(self.mass / HEAVIER, self.k_vc + bristles, period)
+            - self.b_vc
             - self.bristle_damping()
     }
 
     fn bristles(&self, device: &Device) -> Result<(), Refused> {
         within("stribeck_velocity", self.stribeck_velocity, SLOWEST, device.overspeed, "m/s")?;
-        let period = f64::from(device.period);
+        let period = device.period;
         // laws without bristles do not use these, but a switch of law must not meet nonsense
         let (mut sigma_most, mut sigma_1_most) = (1e9, 1e6);
         if matches!(self.law, LawKind::Dahl | LawKind::LuGre) {
@@ -197,9 +176,9 @@ impl Settings {
     }
 
     /// The larger viscous damping where it is one that may be asked for, else 0: it is then refused by itself.
-    fn viscous_within(&self, device: &Device) -> f64 {
+    fn viscous_within(&self, device: &Device) -> f32 {
         let cap = Self::damping_cap(device);
-        let share = |x: f32| if f64::from(x) <= cap { f64::from(x).max(0.0) } else { 0.0 };
+        let share = |x: f32| if x <= cap { x.max(0.0) } else { 0.0 };
         share(self.damping_p).max(share(self.damping_n))
     }
 
@@ -209,13 +188,13 @@ impl Settings {
         let why = "kg; a lighter block oscillates on its coupling (eq. 4.35)";
         let mut lightest = LIGHTEST;
         if self.renderer == RendererKind::VirtualCoupling {
-            let period = f64::from(device.period);
-            let mut damping = f64::from(self.b_vc) + self.viscous_within(device);
+            let period = device.period;
+            let mut damping = self.b_vc + self.viscous_within(device);
             let (inner, sigma) = (self.bristle_damping(), self.bristle_stiffness());
             if inner <= Self::damping_cap(device) {
                 damping += inner;
             }
-            let mut stiffness = f64::from(self.k_vc);
+            let mut stiffness = self.k_vc;
             if sigma <= bounds::stiffness_singular(1.0, damping, period) - stiffness {
                 stiffness += sigma;
             }
@@ -247,21 +226,20 @@ impl Settings {
         gains: &[f32; friction::effects::MAX_GAINS],
         device: &Device,
     ) -> Result<(), Refused> {
-        let period = f64::from(device.period);
+        let period = device.period;
         let (stiffest, most_damping) = match self.renderer {
             RendererKind::Impedance => {
-                let (mass, damping) = (f64::from(device.mass), f64::from(device.damping));
+                let (mass, damping) = (device.mass, device.damping);
                 let most = DAMPING_SHARE * bounds::damping_max(mass, damping, period);
-                (Self::stiffness_cap(device, f64::from(self.b_vc)) - f64::from(self.k_vc), most)
+                (Self::stiffness_cap(device, self.b_vc) - self.k_vc, most)
             }
             RendererKind::VirtualCoupling => {
-                let mass = f64::from(self.mass);
-                let left =
-                    bounds::stiffness_singular(mass, f64::from(self.b_vc), period) - f64::from(self.k_vc);
-                (left, bounds::damping_singular(mass, f64::from(self.k_vc), period))
+                let mass = self.mass;
+                let left = bounds::stiffness_singular(mass, self.b_vc, period) - self.k_vc;
+                (left, bounds::damping_singular(mass, self.k_vc, period))
             }
         };
-        let reach = f64::from(device.stroke) / 2.0;
+        let reach = device.stroke / 2.0;
         for (gain, parameter) in gains.iter().zip(kind.gains()) {
             // what the gain is worth as stiffness or damping where that is largest
             let most = match parameter.unit {
@@ -270,7 +248,7 @@ impl Settings {
                 "N/m²" => at_most(stiffest / (2.0 * reach)),
                 "N/m³" => at_most(stiffest / (3.0 * reach * reach)),
                 "N·s/m" => at_most(most_damping),
-                "N·s²/m²" => at_most(most_damping / (2.0 * f64::from(device.overspeed))),
+                "N·s²/m²" => at_most(most_damping / (2.0 * device.overspeed)),
                 _ => continue,
             };
             if !(gain.abs() <= most) {
@@ -286,19 +264,18 @@ impl Settings {
         if self.law != LawKind::Karnopp {
             return None;
         }
-        let friction = f64::from(self.f_dynamic_p).max(f64::from(self.f_dynamic_n));
-        let period = f64::from(device.period);
+        let friction = self.f_dynamic_p.max(self.f_dynamic_n);
+        let period = device.period;
         let needed = match self.renderer {
             RendererKind::VirtualCoupling => {
-                let (mass, k, b) = (f64::from(self.mass), f64::from(self.k_vc), f64::from(self.b_vc));
+                let (mass, k, b) = (self.mass, self.k_vc, self.b_vc);
                 bounds::limit_cycle_velocity(friction, mass, k, b, period)
             }
             RendererKind::Impedance => {
-                friction
-                    / bounds::friction_max(f64::from(device.mass), f64::from(device.damping), period, 1.0)
+                friction / bounds::friction_max(device.mass, device.damping, period, 1.0)
             }
         };
-        (f64::from(self.dv) < needed).then(|| Warning {
+        (self.dv < needed).then(|| Warning {
             parameter: "dv",
             value: self.dv,
             faithful: Accepted::AtLeast(at_least(needed)),
