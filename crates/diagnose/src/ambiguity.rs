@@ -1,6 +1,6 @@
 //! What else it could be, what was ruled out, and what this motion cannot show.
 
-use crate::experiment::Bench;
+use crate::design::{elsewhere, movable};
 use crate::flips::block_scores;
 use crate::linear::{Basis, dot};
 use crate::result::{Blind, Rejected};
@@ -13,8 +13,17 @@ const NEVER: &[(&str, &str, &str)] = &[
     ("force_crosstalk", "mass", "identical to a mass and a spring in every motion"),
 ];
 
+/// Another explanation as good as the one that was named.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    /// Effect.
+    pub id: &'static str,
+    /// The joint fit with it, as the last term, in place of the other; None where no motion tells them apart.
+    pub fit: Option<Hypothesis>,
+}
+
 /// Other effects that explain term `i` of `found` as well as it does.
-pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<String> {
+pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> {
     let stage = search.stage;
     let mut others = found.atoms.clone();
     let named = others.remove(i);
@@ -54,17 +63,18 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<String>
         let lost = rival.fit.heldout_sum() - found.fit.heldout_sum();
         let gained = without.as_ref().map_or(0.0, |w| w.fit.heldout_sum() - found.fit.heldout_sum());
         if interval[0] <= 0.0 || lost < 0.03 * gained {
-            out.push(kind.id().to_string());
+            out.push(Rival { id: kind.id(), fit: Some(rival) });
         }
     }
     if named.term.kind.id() == "spring" {
-        out.push("force_crosstalk".into());
+        out.push(Rival { id: "force_crosstalk", fit: None });
     }
     out
 }
 
-/// Effects this motion, or its sensors, cannot show.
-pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, String)]) -> Vec<Blind> {
+/// Effects this motion, or its sensors, cannot show, each with what would, where that is no motion, or with the effect
+/// at a middling shape, where it may be one.
+pub fn blind(search: &Search, unavailable: &[(&'static str, String)]) -> Vec<(Blind, Option<Atom>)> {
     let stage = search.stage;
     let names = [
         "mass",
@@ -73,18 +83,17 @@ pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, Strin
         "viscous friction forward",
         "viscous friction backward",
     ];
-    let mut out: Vec<Blind> = NEVER
-        .iter()
-        .map(|(effect, _, because)| Blind {
-            effect: (*effect).into(),
-            because: (*because).into(),
-            experiment: bench.shows(effect),
-        })
-        .collect();
+    let blind = |effect: &str, because: String, unavailable: bool| Blind {
+        effect: effect.into(),
+        because,
+        experiment: elsewhere(effect, unavailable).unwrap_or_default().into(),
+    };
+    let mut out: Vec<(Blind, Option<Atom>)> =
+        NEVER.iter().map(|(effect, _, because)| (blind(effect, (*because).into(), false), None)).collect();
     for kind in TermKind::all() {
         let id = kind.id();
         if let Some((_, because)) = unavailable.iter().find(|(e, _)| *e == id) {
-            out.push(Blind { effect: id.into(), because: because.clone(), experiment: bench.shows(id) });
+            out.push((blind(id, because.clone(), true), None));
             continue;
         }
         // told by comparing the channels, which every motion allows
@@ -92,7 +101,8 @@ pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, Strin
             continue;
         }
         let atoms: Vec<&Atom> = search.catalogue.atoms.iter().filter(|a| a.term.kind == kind).collect();
-        if atoms.iter().any(|a| is_testable(a)) {
+        // none: not to be considered, or part of the baseline already
+        if atoms.is_empty() || atoms.iter().any(|a| is_testable(a)) {
             continue;
         }
         let visible = atoms.iter().map(|a| a.visible).fold(0.0, f64::max);
@@ -129,7 +139,15 @@ pub fn blind(search: &Search, bench: &Bench, unavailable: &[(&'static str, Strin
                 _ => format!("absorbed by the baseline on this motion ({:.1} % of it left)", 100.0 * visible),
             }
         };
-        out.push(Blind { effect: id.into(), because, experiment: bench.shows(id) });
+        // at a middling shape, in the form this recording has the channels for
+        let here = atoms[atoms.len() / 2].term.shape;
+        let size = |a: &&&Atom| stage.columns(&a.term).iter().map(|c| dot(c, c)).sum::<f64>();
+        let middling = atoms
+            .iter()
+            .filter(|a| a.term.shape == here)
+            .max_by(|a, b| size(a).total_cmp(&size(b)))
+            .filter(|_| movable(kind));
+        out.push((blind(id, because, false), middling.map(|a| (**a).clone())));
     }
     out
 }

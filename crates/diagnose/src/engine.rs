@@ -1,8 +1,8 @@
 //! The steps in order.
 
-use crate::ambiguity::{blind, equivalents, rejected};
+use crate::ambiguity::{Rival, blind, equivalents, rejected};
+use crate::design::{Answers, Designer, Limits};
 use crate::drift;
-use crate::experiment::Bench;
 use crate::flips::gain_interval;
 use crate::floor::{Floor, floor, systematic};
 use crate::free_run::{self, Plant};
@@ -10,16 +10,17 @@ use crate::intake::{Intake, take};
 use crate::joint::Joint;
 use crate::linear::{Fit, dot};
 use crate::locate::{locate, row_motion, row_times};
+use crate::nuisance::{self, Declared, Nuisance, PerRecording};
 use crate::options::{Error, Options};
 use crate::result::{
-    After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Validation,
-    Verdict,
+    After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Verdict,
 };
 use crate::search::{Catalogue, Hypothesis, Search};
 use crate::signal::derivative;
 use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
 use crate::track::{Channels, Noise, Track, choose_cutoff, dominant_frequency};
+use crate::validate::Frozen;
 use identify::{FaultKind, Recording, RecordingFault};
 use std::collections::BTreeMap;
 
@@ -92,8 +93,15 @@ pub fn diagnose(
         let slowest = intake.stretches.iter().map(|s| 1.0 / s.dt).fold(f64::INFINITY, f64::min);
         cutoff = options.cutoff_hz.unwrap_or(slowest / 8.0);
     }
-    let stage = with_nuisances(&intake.stretches, cutoff);
-    let Some(stage) = stage else {
+    let mut origins = Vec::new();
+    if options.per_recording.contains(&Nuisance::Origin)
+        && let Some(mut first) = with_delay(&intake.stretches, cutoff)
+    {
+        first.declare(&options.per_recording);
+        origins = nuisance::origins(&first);
+        intake.move_origins(&origins);
+    }
+    let Some(mut stage) = with_delay(&intake.stretches, cutoff) else {
         return Ok(untestable(
             intake,
             unit,
@@ -114,6 +122,16 @@ pub fn diagnose(
             "mass and friction cannot be told apart on this motion: accelerate more",
         ));
     };
+    let declared = stage.declare(&options.per_recording);
+    let Some(baseline) =
+        (if declared.is_empty() { Some(baseline) } else { Hypothesis::new(&stage, Vec::new()) })
+    else {
+        return Ok(untestable(
+            intake,
+            unit,
+            "what is declared to differ between the recordings explains all there is",
+        ));
+    };
     let judged = judged.map(|mut j| {
         if let Some(first) = Stage::new(&j.stretches, cutoff, false) {
             j.take_out(&drift::find(&first, validate.len()));
@@ -123,13 +141,13 @@ pub fn diagnose(
         j.stretches.iter_mut().for_each(|s| s.quick = quick);
         j
     });
-    let run = Run { intake, stage, baseline, cutoff, options, unit };
+    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins };
     Ok(run.diagnose(judged, progress))
 }
 
 /// A delay of up to one sample between force and position is how the recording was made, not physics: it is fitted
 /// jointly with everything. A longer one is an effect to be named (`time_skew`).
-fn with_nuisances(stretches: &[Channels], cutoff: f64) -> Option<Stage> {
+fn with_delay(stretches: &[Channels], cutoff: f64) -> Option<Stage> {
     let stage = Stage::new(stretches, cutoff, true)?;
     let dt = stretches.iter().map(|s| s.dt).fold(0.0, f64::max);
     let Some(first) = Hypothesis::new(&stage, Vec::new()) else {
@@ -169,6 +187,8 @@ struct Run<'a> {
     cutoff: f64,
     options: &'a Options,
     unit: &'static str,
+    declared: Vec<Declared>,
+    origins: Vec<(usize, Option<(f64, f64)>)>,
 }
 
 impl Run<'_> {
@@ -245,15 +265,32 @@ impl Run<'_> {
         let before = baseline.fit.heldout_sum();
         let after = found.fit.heldout_sum();
         let unnamed = crate::unnamed::find(&search, &found, &left, before);
-        let bench = self.bench();
         progress(0.9, "rivals");
-        let mut missing = Vec::new();
-        let mut equivalent = Vec::new();
-        for (i, p) in (0..found.atoms.len()).zip(&p) {
-            let entry = self.missing(&search, &found, &joint, i, *p, &bench);
-            equivalent.extend(entry.indistinguishable_from.iter().cloned());
-            missing.push(entry);
-        }
+        let plant = self.plant(&found);
+        let frequency = self.intake.stretches.iter().map(dominant_frequency).fold(0.0, f64::max);
+        let rivals: Vec<Vec<Rival>> =
+            (0..found.atoms.len()).map(|i| equivalents(&search, &found, i)).collect();
+        let blind = blind(&search, &unavailable);
+        let equivalent: Vec<String> = rivals.iter().flatten().map(|r| r.id.to_string()).collect();
+        let mut missing: Vec<Missing> = p
+            .iter()
+            .zip(&rivals)
+            .enumerate()
+            .map(|(i, (p, r))| self.missing(&found, &joint, i, *p, r))
+            .collect();
+        progress(0.93, "the next experiment");
+        let designer = Designer {
+            search: &search,
+            found: &found,
+            limits: options.limits.unwrap_or_else(|| self.limits(plant.mass)),
+            plant: plant.clone(),
+            floor: floor.rms,
+            cutoff,
+            frequency,
+            velocity: self.intake.stretches.iter().any(|s| s.velocity.is_some()),
+            given_up: &options.given_up,
+        };
+        let Answers { blind, experiments, next_experiment } = designer.answer(&rivals, blind, &mut missing);
         let of_channels = crate::channel::missing(
             &self.intake.channel,
             stage,
@@ -271,8 +308,7 @@ impl Run<'_> {
         let excess = |sum: f64| (sum - squared_floor).max(0.0);
         let explained_share =
             if excess(before) > 0.0 { (1.0 - excess(after) / excess(before)).clamp(0.0, 1.0) } else { 0.0 };
-        let plant = self.plant(&found);
-        let run = free_run::run(stage, &plant, bench.frequency);
+        let run = free_run::run(stage, &plant, frequency);
         let rejected = rejected(&search, &found, &equivalent, unit);
         // what is smaller is not named even where it is seen
         let bound = detectable(&rejected).max(to_rms(search.systematic));
@@ -291,7 +327,8 @@ impl Run<'_> {
             after: unweighted(&found.fit.heldout_prediction),
             curves,
         };
-        let validation = judged.map_or_else(Vec::new, |j| self.validate(&j, &found));
+        let frozen = Frozen { stage, cutoff, baseline, found: &found, declared: &options.per_recording };
+        let validation = judged.map_or_else(Vec::new, |j| frozen.judge(&j));
         let location = if verdict == Verdict::Mismatch {
             located.regions.into_iter().take(12).collect()
         } else {
@@ -309,7 +346,7 @@ impl Run<'_> {
                 rms_heldout: to_rms(before),
             },
             location,
-            blind_to: blind(&search, &bench, &unavailable),
+            blind_to: blind,
             rejected,
             after: After {
                 rms_heldout: explained_by_unnamed.unwrap_or(to_rms(after)).min(to_rms(before)),
@@ -327,7 +364,10 @@ impl Run<'_> {
             },
             detectable: bound,
             cutoff_hz: cutoff,
+            nuisances: self.nuisances(&found),
             validation,
+            experiments,
+            next_experiment,
             model: Some(self.model(&found)),
             missing,
             figures,
@@ -362,12 +402,15 @@ impl Run<'_> {
         floor(&self.stage, &residual, self.baseline.fit.coefficients[0], self.options.declared_noise)
     }
 
-    fn bench(&self) -> Bench {
-        let (low, high) = self.stage.tracks.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| {
+    /// What the recordings show the device to be able to.
+    fn limits(&self, mass: f64) -> Limits {
+        let stroke = self.stage.tracks.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| {
             t.x.iter().fold((l, h), |(l, h), x| (l.min(*x), h.max(*x)))
         });
-        let frequency = self.intake.stretches.iter().map(dominant_frequency).fold(0.0, f64::max);
-        Bench { amplitude: 0.5 * (high - low), frequency }
+        let largest = |of: &dyn Fn(&Track) -> &Vec<f64>| {
+            self.stage.tracks.iter().flat_map(of).fold(0.0_f64, |m, x| m.max(x.abs()))
+        };
+        Limits::shown(stroke.1 - stroke.0, largest(&|t| &t.v), largest(&|t| &t.f), mass)
     }
 
     /// Effects that need a channel the recordings do not have.
@@ -400,15 +443,7 @@ impl Run<'_> {
             .collect()
     }
 
-    fn missing(
-        &self,
-        search: &Search,
-        found: &Hypothesis,
-        joint: &Joint,
-        i: usize,
-        p: f64,
-        bench: &Bench,
-    ) -> Missing {
+    fn missing(&self, found: &Hypothesis, joint: &Joint, i: usize, p: f64, rivals: &[Rival]) -> Missing {
         let stage = &self.stage;
         let atom = &found.atoms[i];
         let mut others = found.atoms.clone();
@@ -419,11 +454,8 @@ impl Run<'_> {
         let interval = without.as_ref().map_or([0.0, 0.0], |w| {
             gain_interval(&w.fit.heldout, &found.fit.heldout, &stage.block_weight(), 2000, self.options.seed)
         });
-        let rivals = equivalents(search, found, i);
-        let id = atom.term.kind.id();
-        let experiment = rivals.first().map_or_else(|| bench.shows(id), |r| bench.separates(id, r));
         Missing {
-            effect: id.into(),
+            effect: atom.term.kind.id().into(),
             says: atom.term.kind.says().into(),
             equation: atom.term.kind.equation().into(),
             parameters: self.effect_parameters(joint, found, i),
@@ -431,8 +463,8 @@ impl Run<'_> {
             rms_heldout_after: (found.fit.heldout_sum() / rows).sqrt(),
             gain_ci95: interval,
             p,
-            indistinguishable_from: rivals,
-            experiment,
+            indistinguishable_from: rivals.iter().map(|r| r.id.to_string()).collect(),
+            experiment: String::new(),
         }
     }
 
@@ -514,50 +546,25 @@ impl Run<'_> {
         out
     }
 
-    /// Other recordings, with structure and parameters frozen.
-    fn validate(&self, judged: &Intake, found: &Hypothesis) -> Vec<Validation> {
-        let mut out = Vec::new();
-        for (index, name) in judged.names.iter().enumerate() {
-            let stretches: Vec<Channels> =
-                judged.stretches.iter().filter(|s| s.recording == index).cloned().collect();
-            let Some(mut stage) = Stage::new(&stretches, self.cutoff, self.stage.delay) else { continue };
-            if stage.baseline.len() < BASELINE.len() {
-                continue;
-            }
-            stage.model_force(&self.baseline.fit.coefficients);
-            let rows: f64 = stage.block_weight().iter().sum();
-            let error = |hypothesis: &Hypothesis| {
-                let mut rest = stage.y.clone();
-                let mut take = |column: &[f64], c: f64| {
-                    for (r, x) in rest.iter_mut().zip(column) {
-                        *r -= c * x;
-                    }
-                };
-                for (column, c) in stage.baseline.iter().zip(&hypothesis.fit.coefficients) {
-                    take(column, *c);
-                }
-                for (i, atom) in hypothesis.atoms.iter().enumerate() {
-                    let columns = stage.columns(&atom.term);
-                    for (a, c) in atom.active.iter().zip(hypothesis.coefficients(&self.stage, i)) {
-                        if let Some(column) = columns.get(*a) {
-                            take(column, *c);
-                        }
-                    }
-                }
-                dot(&rest, &rest)
-            };
-            let (before, after) = (error(&self.baseline), error(found));
-            let size = dot(&stage.y, &stage.y).max(1e-300);
-            out.push(Validation {
-                recording: name.clone(),
-                rms_before: (before / rows).sqrt(),
-                rms_after: (after / rows).sqrt(),
-                relative_before: (before / size).sqrt(),
-                relative_after: (after / size).sqrt(),
-                refitted: Vec::new(),
-            });
-        }
-        out
+    /// What differs between the recordings, as far as it was declared.
+    fn nuisances(&self, found: &Hypothesis) -> Vec<PerRecording> {
+        let rotary = self.intake.rotary;
+        let of = |recording: usize, nuisance: Nuisance, value: f64, std: f64| PerRecording {
+            recording: self.intake.names.get(recording).cloned().unwrap_or_default(),
+            nuisance: nuisance.id().into(),
+            value,
+            std,
+            unit: nuisance.unit(rotary).into(),
+        };
+        let from = self.stage.baseline.len() - self.declared.len();
+        let columns = self.declared.iter().enumerate().map(|(i, d)| {
+            of(d.recording, d.nuisance, found.fit.coefficients[from + i], found.fit.deviations[from + i])
+        });
+        let origins = self.origins.iter().map(|(recording, found)| {
+            let (value, std) = found.unwrap_or((0.0, f64::NAN));
+            of(*recording, Nuisance::Origin, value, std)
+        });
+        columns.chain(origins).collect()
     }
 
     fn model(&self, found: &Hypothesis) -> identify::Model {
@@ -598,7 +605,10 @@ fn untestable(intake: Intake, unit: &str, because: &str) -> Diagnosis {
         remainder: Remainder { rms: f64::NAN, located_at: Vec::new() },
         detectable: f64::NAN,
         cutoff_hz: f64::NAN,
+        nuisances: Vec::new(),
         validation: Vec::new(),
+        experiments: Vec::new(),
+        next_experiment: None,
         model: None,
         figures: Figures::default(),
     };

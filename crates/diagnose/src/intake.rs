@@ -27,6 +27,16 @@ pub struct Intake {
 }
 
 impl Intake {
+    /// Takes the origin of each recording off its positions.
+    pub fn move_origins(&mut self, origins: &[(usize, Option<(f64, f64)>)]) {
+        for (recording, found) in origins {
+            let by = found.map_or(0.0, |f| f.0);
+            for stretch in self.stretches.iter_mut().filter(|s| s.recording == *recording) {
+                stretch.position.iter_mut().for_each(|x| *x -= by);
+            }
+        }
+    }
+
     /// Speeds below Δv, and a little above it, belong to the static branch from now on.
     pub fn static_branch(&mut self, delta_v: Option<(f64, f64)>) {
         self.delta_v = delta_v;
@@ -131,7 +141,11 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         delta_v: None,
         channel: Channel::default(),
     };
+    let loaded = recordings.iter().find(|r| r.normal_force.is_some());
     for (index, recording) in recordings.iter().enumerate() {
+        if let (Some(other), None) = (loaded, &recording.normal_force) {
+            return Err(Error::MixedNormalForce { name: recording.name.clone(), other: other.name.clone() });
+        }
         if recording.geometry != first.geometry {
             return Err(Error::MixedGeometry { name: recording.name.clone() });
         }

@@ -33,9 +33,9 @@
 mod agreement;
 mod ambiguity;
 mod channel;
+mod design;
 mod drift;
 mod engine;
-mod experiment;
 mod export;
 mod flips;
 mod floor;
@@ -45,6 +45,7 @@ mod joint;
 mod linear;
 mod lines;
 mod locate;
+mod nuisance;
 mod options;
 mod refine;
 pub mod report;
@@ -58,9 +59,12 @@ mod term;
 mod track;
 mod transport;
 mod unnamed;
+mod validate;
 mod words;
 
+pub use design::{ENOUGH, Experiment, Limits, Move, NextExperiment, WORTHWHILE};
 pub use engine::diagnose;
+pub use nuisance::{Nuisance, PerRecording};
 pub use options::{Error, Options};
 pub use result::{
     After, Baseline, Bin, Blind, Curve, Diagnosis, Figures, Location, Missing, NoiseFloor, Quantity,

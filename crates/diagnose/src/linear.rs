@@ -221,6 +221,14 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
             g -= &n.gram;
             m -= &n.moment;
         }
+        // What only the fold itself tells of, such as the offset of one recording, is taken to be nothing there.
+        let unseen: Vec<usize> = (0..p).filter(|&i| g[(i, i)] <= 1e-9 * gram[(i, i)]).collect();
+        for i in unseen {
+            g.row_mut(i).fill(0.0);
+            g.column_mut(i).fill(0.0);
+            g[(i, i)] = gram[(i, i)];
+            m[i] = 0.0;
+        }
         // A fold without which the fit is not determined is predicted by nothing rather than by itself.
         let beta = inverse(&g).map_or_else(|| DVector::zeros(p), |c| c * m);
         for (b, error) in heldout.iter_mut().enumerate().take(high).skip(low) {

@@ -1,5 +1,7 @@
 //! What a caller may decide, and what can go wrong.
 
+use crate::design::Limits;
+use crate::nuisance::Nuisance;
 use std::fmt;
 
 /// Choices of a diagnosis; the default is right for most recordings.
@@ -17,6 +19,12 @@ pub struct Options {
     pub beam_width: usize,
     /// Effects not to be considered, by id.
     pub exclude: Vec<String>,
+    /// What differs between recordings; everything else is shared.
+    pub per_recording: Vec<Nuisance>,
+    /// What the device that makes the next move can do; what the recordings show when absent.
+    pub limits: Option<Limits>,
+    /// Open questions, an effect and its rival if it has one, that no more moves are to be made for.
+    pub given_up: Vec<(String, Option<String>)>,
 }
 
 impl Default for Options {
@@ -28,6 +36,9 @@ impl Default for Options {
             max_terms: 8,
             beam_width: 3,
             exclude: Vec::new(),
+            per_recording: Vec::new(),
+            limits: None,
+            given_up: Vec::new(),
         }
     }
 }
@@ -42,6 +53,13 @@ pub enum Error {
     MixedGeometry {
         /// Name of the first recording that differs.
         name: String,
+    },
+    /// Some recordings have a normal force, others not.
+    MixedNormalForce {
+        /// Name of the first recording without it.
+        name: String,
+        /// Name of one that has it.
+        other: String,
     },
     /// Channels of one recording have different lengths.
     Length {
@@ -72,6 +90,10 @@ impl fmt::Display for Error {
             Self::MixedGeometry { name } => {
                 write!(f, "{name}: linear and rotary recordings cannot be diagnosed together")
             }
+            Self::MixedNormalForce { name, other } => write!(
+                f,
+                "{name}: no normal_force_n, and {other} has it: friction that grows with the load needs it in every recording, or in none"
+            ),
             Self::Length { name, channel, found, expected } => {
                 write!(f, "{name}: {channel} has {found} samples, time has {expected}: they must agree")
             }

@@ -1,5 +1,7 @@
 //! What a diagnosis says: the JSON of `tribos diagnose` (schema `tribos.diagnosis/1`) as types.
 
+use crate::design::{Experiment, NextExperiment};
+use crate::nuisance::PerRecording;
 use identify::RecordingFault;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -142,8 +144,18 @@ pub struct Validation {
     pub relative_before: f64,
     /// The same over the root mean square of the force.
     pub relative_after: f64,
-    /// Nuisances that were fitted again there; empty when everything was frozen.
+    /// Nuisances that were fitted again for the figures below; the figures above are frozen in any case.
     pub refitted: Vec<String>,
+    /// Error of the baseline with its declared nuisances fitted again; None when none was declared.
+    pub rms_before_refitted: Option<f64>,
+    /// The same of the model with everything that was named.
+    pub rms_after_refitted: Option<f64>,
+    /// The same over the root mean square of the force.
+    pub relative_before_refitted: Option<f64>,
+    /// The same over the root mean square of the force.
+    pub relative_after_refitted: Option<f64>,
+    /// What they came out as, with everything that was named.
+    pub nuisances: Vec<PerRecording>,
 }
 
 /// What is left, and where.
@@ -233,8 +245,14 @@ pub struct Diagnosis {
     pub detectable: f64,
     /// Cut-off of the one zero-phase filter, Hz; every error above is behind it.
     pub cutoff_hz: f64,
+    /// Nuisances that were declared to differ between the recordings fitted, relative to the first.
+    pub nuisances: Vec<PerRecording>,
     /// Recordings not used for the fit.
     pub validation: Vec<Validation>,
+    /// The best move for each open question: rivals of what is missing first, then what could not be seen.
+    pub experiments: Vec<Experiment>,
+    /// The one move that answers most of them; None when nothing a move could answer is open.
+    pub next_experiment: Option<NextExperiment>,
     /// The final model: `model.toml`, a preset.
     #[serde(skip)]
     pub model: Option<identify::Model>,

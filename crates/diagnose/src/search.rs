@@ -170,7 +170,7 @@ pub fn is_testable(atom: &Atom) -> bool {
     !atom.columns.is_empty() && atom.visible >= 0.1 && atom.reliable >= needed_reliability(atom.term.kind)
 }
 
-fn needed_reliability(kind: TermKind) -> f64 {
+pub(crate) fn needed_reliability(kind: TermKind) -> f64 {
     match kind {
         // Their noise is the acceleration's own noise seen again: it correlates with the residual.
         TermKind::Sensor(s) if s.id == "encoder_eccentricity" => 0.99,

@@ -218,6 +218,10 @@ impl Track {
         let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
         while i < n {
             if self.v[i].abs() >= guard {
+                // a reversal so swift that no sample falls into it is still somewhere between two of them
+                if self.v[i].signum() != direction {
+                    unknown.push((i.saturating_sub(ring), (i + ring).min(n)));
+                }
                 direction = self.v[i].signum();
                 self.sign[i] = direction;
                 i += 1;

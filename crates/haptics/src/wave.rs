@@ -118,9 +118,9 @@ fn dwell(phase: u32) -> f32 {
     if phase >> 31 == 0 { unit } else { -unit }
 }
 
-/// Steps through a wave, one value in [−1, 1] a period.
+/// Steps through a wave, one value in [−1, 1] a period: what the device asks of the handle, before amplitude and ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Generator {
+pub struct Generator {
     wave: Wave,
     phase: u32,
     /// Phase advanced in a period.
@@ -131,7 +131,9 @@ pub(crate) struct Generator {
 }
 
 impl Generator {
-    pub(crate) fn new(excitation: &Excitation, period: f32) -> Self {
+    /// At the start of `excitation`, for a control period in s.
+    #[must_use]
+    pub fn new(excitation: &Excitation, period: f32) -> Self {
         let per_turn = 4_294_967_296.0;
         let sweep_s = if excitation.seconds > 0.0 { excitation.seconds } else { 2.0 * SWEEP_S };
         Self {
@@ -145,7 +147,9 @@ impl Generator {
         }
     }
 
-    pub(crate) fn next(&mut self) -> f32 {
+    /// The value of this period; advances by one.
+    #[allow(clippy::should_implement_trait)] // it never ends
+    pub fn next(&mut self) -> f32 {
         let (value, advance) = match self.wave {
             Wave::Sine => (sine(self.phase), self.increment),
             Wave::Multisine => {

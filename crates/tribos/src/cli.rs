@@ -1,7 +1,8 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    connect, convert, demo, design, diagnose, figures, identify, predict, preset, prove, record, simulate,
+    connect, convert, demo, design, diagnose, figures, identify, investigate, predict, preset, prove, record,
+    simulate,
 };
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
@@ -26,6 +27,8 @@ enum Command {
     Identify(identify::Args),
     /// Find out where a simulation goes wrong on recordings, and what physics it left out
     Diagnose(diagnose::Args),
+    /// Diagnose, make the move that separates what is left, repeat
+    Investigate(investigate::Args),
     /// Predict the force of a recording with a model
     Predict(predict::Args),
     /// Move a simulated rig with a model's friction and record it
@@ -53,6 +56,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Record(args) => record::run(args),
         Command::Identify(args) => identify::run(args),
         Command::Diagnose(args) => diagnose::run(args),
+        Command::Investigate(args) => investigate::run(args),
         Command::Predict(args) => predict::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Preset(args) => preset::run(args),

@@ -6,6 +6,7 @@
 //! session     a conversation with a device   ── wire (bytes to items) ── transport (port, or virtual device)
 //! recorder    a device's stream into a CSV that survives a crash
 //! reading     recordings from files
+//! investigate record, diagnose, choose the next move, repeat
 //! simulated   a model moved by the very control step of the device
 //! console     the full-screen console of `connect`
 //! ```
@@ -23,6 +24,7 @@ mod design;
 mod failure;
 mod figures;
 mod files;
+mod investigate;
 mod mat_file;
 mod mcap_file;
 mod moves;

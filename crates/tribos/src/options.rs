@@ -89,6 +89,11 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     positive(text, "seconds", 3600.0)
 }
 
+/// A factor: finite and above zero.
+pub(crate) fn factor(text: &str) -> Result<f64, String> {
+    positive(text, "a factor", 100.0)
+}
+
 /// A cut-off: finite and above zero.
 pub(crate) fn cutoff(text: &str) -> Result<f64, String> {
     positive(text, "a frequency in Hz", 1e6)

@@ -53,6 +53,11 @@ pub(crate) struct Recorded {
 /// Ctrl-C was pressed since [`watch_ctrl_c`].
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
+/// Ctrl-C was pressed since the last recording began.
+pub(crate) fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
 /// From now on Ctrl-C asks a recording to end instead of ending the process.
 fn watch_ctrl_c() {
     static HANDLER: OnceLock<()> = OnceLock::new();

@@ -3,8 +3,8 @@
 use super::chart::{Chart, Ink, Stroke, laid_end_to_end};
 use super::page::Page;
 use super::tables::{experiment, faults, parameters};
-use super::text::{escape, number, p_value, percent, words};
-use crate::{Curve, Diagnosis, Location, Missing, Verdict};
+use super::text::{escape, number, p_value, percent, with_std, words};
+use crate::{Curve, Diagnosis, Location, Missing, PerRecording, Verdict};
 use std::fmt::Write;
 
 /// The report of `diagnosis` of the recording called `name`, as one HTML document.
@@ -241,6 +241,16 @@ fn finding(m: &Missing, unit: &str) -> String {
 
 /// Recordings the fit has not seen, structure and parameters frozen.
 fn validation(page: &mut Page, d: &Diagnosis) {
+    if !d.nuisances.is_empty() {
+        page.heading("What differs between the recordings");
+        let rows =
+            d.nuisances.iter().map(|n| format!("<tr><td>{}</td>{}</tr>", escape(&n.recording), nuisance(n)));
+        page.html(format!(
+            r#"<p>Declared to differ, relative to the first recording; everything else is shared.</p>
+<div class="scroll"><table><tr><th>recording</th><th>what</th><th class="n">value</th><th class="n">std</th><th>unit</th></tr>{}</table></div>"#,
+            rows.collect::<String>()
+        ));
+    }
     if d.validation.is_empty() {
         return;
     }
@@ -264,7 +274,43 @@ fn validation(page: &mut Page, d: &Diagnosis) {
         );
     }
     table.push_str("</table></div>");
+    let again: Vec<_> = d.validation.iter().filter(|v| v.rms_after_refitted.is_some()).collect();
+    if !again.is_empty() {
+        let _ = write!(
+            table,
+            r#"<p>Beside the frozen figures, the same with the nuisances fitted again that were declared to differ:</p>
+<div class="scroll"><table><tr><th>recording</th><th class="n">before, {unit}</th><th class="n">after, {unit}</th><th>fitted again</th><th class="n">value</th><th class="n">std</th><th>unit</th></tr>"#
+        );
+        for v in again {
+            let cell = |x: Option<f64>| number(x.unwrap_or(f64::NAN), 3);
+            let first = v.nuisances.first().map_or_else(
+                || r#"<td>nothing</td><td class="n"></td><td class="n"></td><td></td>"#.to_string(),
+                nuisance,
+            );
+            let _ = write!(
+                table,
+                r#"<tr><td>{}</td><td class="n">{}</td><td class="n">{}</td>{first}</tr>"#,
+                escape(&v.recording),
+                cell(v.rms_before_refitted),
+                cell(v.rms_after_refitted),
+            );
+            for n in v.nuisances.iter().skip(1) {
+                let _ = write!(table, r#"<tr><td></td><td></td><td></td>{}</tr>"#, nuisance(n));
+            }
+        }
+        table.push_str("</table></div>");
+    }
     page.html(table);
+}
+
+/// A nuisance as cells: what, value, standard deviation, unit.
+fn nuisance(n: &PerRecording) -> String {
+    let (value, std) = with_std(n.value, n.std);
+    format!(
+        r#"<td>{}</td><td class="n">{value}</td><td class="n">{std}</td><td>{}</td>"#,
+        words(&n.nuisance),
+        escape(&n.unit)
+    )
 }
 
 /// Breaks a line where one recording ends and the next begins.

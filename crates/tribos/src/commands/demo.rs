@@ -37,8 +37,8 @@ pub struct Args {
 const MOTION: Move = Move { wave: Wave::Multisine, amplitude: 0.01, frequency: 0.8, seconds: Some(20.0) };
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
-    let effect = choose(&args.conceal, args.seed)?;
-    let out = args.out.clone().unwrap_or_else(fresh_folder);
+    let effect = choose(&args.conceal, 1.0, args.seed)?;
+    let out = args.out.clone().unwrap_or_else(|| fresh_folder("tribos-demo"));
     std::fs::create_dir_all(&out)
         .map_err(|e| Failure::in_file(&out, format!("cannot be made a folder: {}", files::reason(&e))))?;
     let file = |name: &str| out.join(name);
@@ -106,17 +106,17 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// `tribos-demo`, or the first `tribos-demo-N` that does not exist: no earlier demo is overwritten.
-fn fresh_folder() -> PathBuf {
-    let first = PathBuf::from("tribos-demo");
+/// `name`, or the first `name-N` that does not exist: nothing earlier is overwritten.
+pub(crate) fn fresh_folder(name: &str) -> PathBuf {
+    let first = PathBuf::from(name);
     if !first.exists() {
         return first;
     }
-    (2_u32..).map(|n| PathBuf::from(format!("tribos-demo-{n}"))).find(|dir| !dir.exists()).unwrap_or(first)
+    (2_u32..).map(|n| PathBuf::from(format!("{name}-{n}"))).find(|dir| !dir.exists()).unwrap_or(first)
 }
 
-/// The effect asked for.
-fn choose(name: &str, seed: u64) -> Result<Option<Effect<f64>>> {
+/// The effect asked for, in so many times its usual size.
+pub(crate) fn choose(name: &str, size: f64, seed: u64) -> Result<Option<Effect<f64>>> {
     let kinds = concealable();
     let kind = match name {
         "none" => return Ok(None),
@@ -129,7 +129,7 @@ fn choose(name: &str, seed: u64) -> Result<Option<Effect<f64>>> {
         Failure::new(format!("--conceal: `{name}` cannot be concealed"))
             .help(format!("accepted are none, random, {}", ids.join(", ")))
     })?;
-    Ok(concealed(kind, 1.0))
+    Ok(concealed(kind, size))
 }
 
 /// A preset over the serial line, under a simulated hand: force against velocity in a few rows.

@@ -5,7 +5,7 @@ use crate::options::{Recordings, Results};
 use crate::progress::Progress;
 use crate::table::{Table, number, with_std};
 use crate::{files, reading};
-use diagnose::{Diagnosis, Options, Verdict, diagnose, report};
+use diagnose::{Diagnosis, Nuisance, Options, Verdict, diagnose, report};
 use std::path::PathBuf;
 
 /// Options of `diagnose`.
@@ -22,6 +22,10 @@ pub struct Args {
     /// Cut-off of the zero-phase filter, Hz; chosen from the noise when not given
     #[arg(long, value_name = "HZ", value_parser = crate::options::cutoff, allow_hyphen_values = true)]
     cutoff: Option<f64>,
+    /// What differs between the recordings: offset (of the force), origin (of the position), friction (its level).
+    /// Everything else is shared; on --validate recordings these are fitted again, beside the frozen figure
+    #[arg(long, value_name = "NUISANCE", value_delimiter = ',', value_parser = nuisance)]
+    per_recording: Vec<Nuisance>,
     /// Effects not to be considered
     #[arg(long, value_name = "EFFECT", value_delimiter = ',')]
     exclude: Vec<String>,
@@ -32,8 +36,20 @@ pub struct Args {
     results: Results,
 }
 
+fn nuisance(text: &str) -> std::result::Result<Nuisance, String> {
+    Nuisance::from_id(text).ok_or_else(|| {
+        let ids: Vec<&str> = Nuisance::ALL.iter().map(|n| n.id()).collect();
+        format!("accepted are {}", ids.join(", "))
+    })
+}
+
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     args.results.check()?;
+    if !args.per_recording.is_empty() && args.recordings.files.len() + args.validate.len() < 2 {
+        return Err(Failure::new(
+            "--per-recording: with one recording there is no other to differ from; accepted with two or more",
+        ));
+    }
     for id in args.exclude.iter().chain(&args.expect) {
         check_finding(id)?;
     }
@@ -43,6 +59,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         declared_noise: args.noise,
         cutoff_hz: args.cutoff,
         exclude: args.exclude.clone(),
+        per_recording: args.per_recording.clone(),
         ..Options::default()
     };
     let found = {
@@ -86,12 +103,12 @@ fn verdict(found: &Diagnosis) -> &'static str {
     }
 }
 
-fn is_there(found: &Diagnosis, finding: &str) -> bool {
+pub(crate) fn is_there(found: &Diagnosis, finding: &str) -> bool {
     verdict(found) == finding || found.missing.iter().any(|m| m.effect == finding)
 }
 
 /// An id that the diagnosis knows.
-fn check_finding(id: &str) -> Result<()> {
+pub(crate) fn check_finding(id: &str) -> Result<()> {
     let known = diagnose::effect_ids();
     if known.contains(&id) || matches!(id, "mismatch" | "no_mismatch" | "not_testable") {
         return Ok(());
@@ -185,6 +202,9 @@ pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
             .collect();
         out += &format!("  ruled out: {}\n", bounds.join(", "));
     }
+    for n in &found.nuisances {
+        out += &format!("  {}: {} against the first recording\n", n.recording, nuisance_line(n));
+    }
     for v in &found.validation {
         out += &format!(
             "  {} (not fitted): {} {unit} before, {} {unit} after ({:.2} % → {:.2} % of the force)\n",
@@ -194,6 +214,23 @@ pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
             100.0 * v.relative_before,
             100.0 * v.relative_after
         );
+        if let (Some(before), Some(after)) = (v.rms_before_refitted, v.rms_after_refitted) {
+            let again: Vec<String> = v.nuisances.iter().map(nuisance_line).collect();
+            let again = if again.is_empty() { "nothing".into() } else { again.join(", ") };
+            out += &format!(
+                "    fitted again there, {again}: {} {unit} before, {} {unit} after\n",
+                number(before, 4),
+                number(after, 4)
+            );
+        }
     }
     out
+}
+
+fn nuisance_line(n: &diagnose::PerRecording) -> String {
+    if n.std.is_nan() {
+        return format!("{} not determined", n.nuisance);
+    }
+    let (value, std) = with_std(n.value, n.std);
+    format!("{} {value} ± {std} {}", n.nuisance, n.unit)
 }

@@ -7,6 +7,7 @@ pub mod design;
 pub mod diagnose;
 pub mod figures;
 pub mod identify;
+pub mod investigate;
 pub mod predict;
 pub mod preset;
 pub mod prove;

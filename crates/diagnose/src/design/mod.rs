@@ -1,0 +1,398 @@
+//! Which move tells rival explanations apart, by simulating them.
+//!
+//! T-optimal design (Atkinson and Fedorov 1975): for every move the device can make, a body with the parameters that
+//! were fitted is moved; the rival, every linear parameter and its shape free, is fitted to what the other says of this
+//! motion *and* of all that was recorded so far; what the best such fit leaves, in units of the noise floor, is the
+//! discrimination of the move. It is taken both ways, each explanation being the truth in turn, and the worse counts.
+//! An effect that was not visible so far is taken as strong as the noise floor, and its rival is the baseline alone.
+
+mod answers;
+mod evidence;
+mod moves;
+
+pub(crate) use answers::Answers;
+pub use answers::NextExperiment;
+pub(crate) use evidence::left;
+use evidence::{Evidence, Sheet};
+pub use moves::{Limits, Move};
+
+use crate::engine::BASELINE;
+use crate::free_run::Plant;
+use crate::linear::{Basis, dot};
+use crate::search::{Atom, Hypothesis, Search, needed_reliability};
+use crate::term::{Stage, TermKind};
+use crate::track::Channels;
+use moves::simulate;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Discrimination from which two explanations count as told apart, noise floors. More is of no further use: two moves
+/// that each settle one question are worth more than one that settles the same twice.
+pub const ENOUGH: f64 = 6.0;
+/// Discrimination below which a move is not worth making.
+pub const WORTHWHILE: f64 = 3.0;
+/// Length of a proposed move, s.
+const SECONDS: f64 = 12.0;
+/// What a question about what was named counts beside one about what was not seen.
+const NAMED: f64 = 3.0;
+
+/// A move, and what it is good for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Experiment {
+    /// The effect that was named, or that could not be seen.
+    pub effect: String,
+    /// What it is told from; None for an effect that is to be made visible at all.
+    pub rival: Option<String>,
+    /// The command for the serial line.
+    pub command: String,
+    /// The same, to be read by a program.
+    #[serde(rename = "move")]
+    pub motion: Move,
+    /// Expected distance of the explanations after the move, in noise floors; below 3 it is not worth making.
+    pub discrimination: f64,
+    /// The same before it, from what is already recorded.
+    pub discrimination_now: f64,
+    /// Cosine of the two signatures, what both share projected out, on what is already recorded.
+    pub cosine_now: f64,
+    /// The same with the move.
+    pub cosine: f64,
+}
+
+impl Experiment {
+    /// The command, and what it is good for.
+    #[must_use]
+    pub fn says(&self) -> String {
+        let cosine = format!("cosine {:.3} → {:.3}", self.cosine_now, self.cosine);
+        let far = short(self.discrimination);
+        match &self.rival {
+            _ if self.discrimination < WORTHWHILE => {
+                let what = self.rival.as_ref().map_or("shows it", |_| "tells them apart");
+                format!(
+                    "no move within the limits {what}; nearest is {}, at {far} noise floors",
+                    self.command
+                )
+            }
+            Some(rival) => format!("{}: tells it from {rival} by {far} noise floors, {cosine}", self.command),
+            None => {
+                format!(
+                    "{}: as strong as the noise floor it would stand out {far} times, {cosine}",
+                    self.command
+                )
+            }
+        }
+    }
+}
+
+fn short(x: f64) -> String {
+    if x >= 10.0 { format!("{x:.0}") } else { format!("{x:.1}") }
+}
+
+/// One thing the recordings leave open.
+#[derive(Debug, Clone)]
+pub(crate) enum Question {
+    /// Atom `named` of what was found against a rival hypothesis whose last atom stands in its place.
+    Rival { named: usize, rival: Hypothesis },
+    /// An effect that was not visible.
+    Unseen(Atom),
+}
+
+/// Everything a design is made from.
+pub(crate) struct Designer<'a> {
+    pub search: &'a Search<'a>,
+    pub found: &'a Hypothesis,
+    /// What moves: the found model.
+    pub plant: Plant,
+    pub limits: Limits,
+    /// Noise floor of a row.
+    pub floor: f64,
+    pub cutoff: f64,
+    /// Dominant frequency so far, Hz.
+    pub frequency: f64,
+    /// The recordings have a velocity channel.
+    pub velocity: bool,
+    /// Questions that no move is to be made for.
+    pub given_up: &'a [(String, Option<String>)],
+}
+
+/// The answer to a set of questions.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Plan {
+    /// Best move for each question; None where the device can make no move at all.
+    pub each: Vec<Option<Experiment>>,
+    /// The move that is best for all of them together, and what it does for each question.
+    pub together: Vec<Experiment>,
+}
+
+impl Designer<'_> {
+    /// The best move for each question, and for all.
+    pub fn plan(&self, questions: &[Question]) -> Plan {
+        let friction = self.plant.coulomb.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let candidates = self.limits.candidates(self.plant.mass, friction, self.frequency, SECONDS);
+        let evidence: Vec<Evidence> = questions.iter().map(|q| self.evidence(q)).collect();
+        let judged: Vec<Vec<Option<Experiment>>> = candidates
+            .par_iter()
+            .map(|motion| {
+                let Some(stage) = self.stage_of(motion) else { return vec![None; questions.len()] };
+                let of = |(q, e): (&Question, &Evidence)| self.judge(motion, &stage, q, e);
+                questions.iter().zip(&evidence).map(of).collect()
+            })
+            .collect();
+        let mut plan = Plan { each: vec![None; questions.len()], together: Vec::new() };
+        let mut best = 0.0;
+        for row in judged {
+            let worth: f64 = row
+                .iter()
+                .flatten()
+                .filter(|e| {
+                    e.discrimination >= WORTHWHILE.max(1.2 * e.discrimination_now) && !self.is_given_up(e)
+                })
+                .map(|e| {
+                    let weight = if e.rival.is_some() { NAMED } else { 1.0 };
+                    weight * (e.discrimination.min(ENOUGH) - e.discrimination_now.min(ENOUGH)).max(0.0)
+                })
+                .sum();
+            for (slot, e) in plan.each.iter_mut().zip(&row) {
+                if let Some(e) = e
+                    && slot.as_ref().is_none_or(|s| e.discrimination > s.discrimination)
+                {
+                    *slot = Some(e.clone());
+                }
+            }
+            if worth > best {
+                best = worth;
+                plan.together = row.into_iter().flatten().collect();
+            }
+        }
+        plan
+    }
+
+    /// The simulated recording of a move, behind the same filter as the real ones.
+    fn stage_of(&self, motion: &Move) -> Option<Stage> {
+        let first = self.search.stage.tracks.first()?;
+        // no finer than the filter needs
+        let dt = first.raw.dt.max(1.0 / (16.0 * self.cutoff));
+        let travel = simulate(&self.plant, &self.limits, motion, dt);
+        if travel.position.iter().chain(&travel.force).any(|x| !x.is_finite()) {
+            return None;
+        }
+        // where the real sensors do not know the direction, these shall not, either
+        let guard = self.search.stage.tracks.iter().map(|t| 3.0 * t.noise.velocity).fold(0.0, f64::max);
+        let channels = Channels {
+            dt,
+            position: travel.position,
+            velocity: self.velocity.then_some(travel.velocity),
+            force: travel.force,
+            static_band: first.raw.static_band.max(guard),
+            quick: first.raw.quick,
+            ..Channels::default()
+        };
+        let mut stage = Stage::new(&[channels], self.cutoff, self.search.stage.delay)?;
+        if stage.baseline.len() < BASELINE.len() {
+            return None; // it moved in one direction only, if at all
+        }
+        // a nuisance of a recording already made is none of this one
+        let rows = stage.y.len();
+        stage.baseline.resize(self.search.stage.baseline.len(), vec![0.0; rows]);
+        stage.model_force(&self.found.fit.coefficients);
+        Some(stage)
+    }
+
+    /// What the recordings already say about a question.
+    fn evidence(&self, question: &Question) -> Evidence {
+        let (forth, back) = self.sheets(self.search.stage, question, None);
+        Evidence::new(forth, back)
+    }
+
+    fn judge(
+        &self,
+        motion: &Move,
+        stage: &Stage,
+        question: &Question,
+        evidence: &Evidence,
+    ) -> Option<Experiment> {
+        let (forth, back) = self.sheets(stage, question, evidence.scale);
+        let mut judged = evidence.with(&forth, back.as_ref(), self.floor)?;
+        if let Question::Unseen(atom) = question {
+            // what its sensors' noise covers cannot be seen, however strong it is
+            if atom.reliable < needed_reliability(atom.term.kind) {
+                judged.now = 0.0;
+            }
+            if !self.is_above_its_noise(stage, atom) {
+                judged.after = judged.now;
+            }
+        }
+        let (effect, rival) = self.names(question);
+        Some(Experiment {
+            effect,
+            rival,
+            command: motion.to_string(),
+            motion: *motion,
+            discrimination: judged.after,
+            discrimination_now: judged.now,
+            cosine_now: judged.cosine_now,
+            cosine: judged.cosine,
+        })
+    }
+
+    /// Whether an effect's signature on a move is more than what the sensors' noise makes of it: that noise was drawn on the
+    /// recordings, and is the same on every move.
+    fn is_above_its_noise(&self, stage: &Stage, atom: &Atom) -> bool {
+        let known = self.search.stage;
+        let left = |stage: &Stage| -> f64 {
+            let basis = Basis::of(&stage.baseline);
+            let rest = |c: &Vec<f64>| {
+                let rest = basis.project_out(c);
+                dot(&rest, &rest)
+            };
+            active(stage, atom).iter().map(rest).sum::<f64>() / stage.y.len().max(1) as f64
+        };
+        let noise = (1.0 - atom.reliable).max(0.0) * left(known);
+        noise <= (1.0 - needed_reliability(atom.term.kind)) * left(stage)
+    }
+
+    /// Whichever of the two was named.
+    fn is_given_up(&self, e: &Experiment) -> bool {
+        self.given_up.iter().any(|(effect, rival)| match (&e.rival, rival) {
+            (None, None) => e.effect == *effect,
+            (Some(other), Some(rival)) => {
+                (&e.effect, other) == (effect, rival) || (&e.effect, other) == (rival, effect)
+            }
+            _ => false,
+        })
+    }
+
+    fn names(&self, question: &Question) -> (String, Option<String>) {
+        match question {
+            Question::Unseen(atom) => (atom.term.kind.id().into(), None),
+            Question::Rival { named, rival } => (
+                self.found.atoms[*named].term.kind.id().into(),
+                rival.atoms.last().map(|a| a.term.kind.id().to_string()),
+            ),
+        }
+    }
+
+    /// Both directions of a question on a stage: what one explanation says beyond the other, and the columns with which
+    /// the other may answer.
+    fn sheets(&self, stage: &Stage, question: &Question, scale: Option<f64>) -> (Sheet, Option<Sheet>) {
+        match question {
+            Question::Unseen(atom) => {
+                let columns = stage.columns(&atom.term);
+                let mut own = vec![0.0; stage.y.len()];
+                for column in &columns {
+                    add(&mut own, column, 1.0);
+                }
+                // as strong as the noise floor: on what was recorded, or where it was never excited on the move
+                let size = (dot(&own, &own) / stage.y.len().max(1) as f64).sqrt();
+                let scale = scale.or_else(|| (size > 0.0).then(|| self.floor / size));
+                own.iter_mut().for_each(|x| *x *= scale.unwrap_or(0.0));
+                let mut shared: Vec<Vec<f64>> = stage.baseline.clone();
+                for (i, a) in self.found.atoms.iter().enumerate() {
+                    shared.extend(active(stage, a));
+                    shared.extend(self.slopes(stage, a, self.found.coefficients(self.search.stage, i)));
+                }
+                (Sheet { target: own.clone(), own, shared, answer: Vec::new(), scale }, None)
+            }
+            Question::Rival { named, rival } => {
+                let last = rival.atoms.len().saturating_sub(1);
+                let (a, b) = (self.says(stage, self.found), self.says(stage, rival));
+                let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+                let mut shared: Vec<Vec<f64>> = stage.baseline.clone();
+                for (i, atom) in self.found.atoms.iter().enumerate() {
+                    if i != *named {
+                        shared.extend(active(stage, atom));
+                    }
+                }
+                let side = |h: &Hypothesis, i: usize| -> (Vec<f64>, Vec<Vec<f64>>) {
+                    let coefficients = h.coefficients(self.search.stage, i);
+                    let columns = active(stage, &h.atoms[i]);
+                    let mut own = vec![0.0; stage.y.len()];
+                    for (column, c) in columns.iter().zip(coefficients) {
+                        add(&mut own, column, *c);
+                    }
+                    let slopes = self.slopes(stage, &h.atoms[i], coefficients);
+                    (own, columns.into_iter().chain(slopes).collect())
+                };
+                let ((own_a, answer_a), (own_b, answer_b)) = (side(self.found, *named), side(rival, last));
+                (
+                    Sheet {
+                        target: difference.clone(),
+                        own: own_a,
+                        shared: shared.clone(),
+                        answer: answer_b,
+                        scale: None,
+                    },
+                    Some(Sheet { target: difference, own: own_b, shared, answer: answer_a, scale: None }),
+                )
+            }
+        }
+    }
+
+    /// What a hypothesis predicts on a stage.
+    fn says(&self, stage: &Stage, h: &Hypothesis) -> Vec<f64> {
+        let mut out = vec![0.0; stage.y.len()];
+        for (column, c) in stage.baseline.iter().zip(&h.fit.coefficients) {
+            add(&mut out, column, *c);
+        }
+        for (i, atom) in h.atoms.iter().enumerate() {
+            for (column, c) in active(stage, atom).iter().zip(h.coefficients(self.search.stage, i)) {
+                add(&mut out, column, *c);
+            }
+        }
+        out
+    }
+
+    /// How an atom's force changes with its shape: a rival may still bend.
+    fn slopes(&self, stage: &Stage, atom: &Atom, coefficients: &[f64]) -> Vec<Vec<f64>> {
+        let mut out = Vec::new();
+        for (axis, parameter) in atom.term.kind.shape().iter().enumerate() {
+            let (low, high, _) = self.search.scales.range(parameter);
+            let here = atom.term.shape[axis];
+            let step = (0.02 * here.abs()).max(1e-4 * (high - low));
+            let side = |sign: f64| {
+                let mut other = atom.clone();
+                other.term.shape[axis] = here + sign * step;
+                let mut sum = vec![0.0; stage.y.len()];
+                for (column, c) in active(stage, &other).iter().zip(coefficients) {
+                    add(&mut sum, column, *c);
+                }
+                sum
+            };
+            out.push(side(1.0).iter().zip(side(-1.0)).map(|(a, b)| (a - b) / (2.0 * step)).collect());
+        }
+        out
+    }
+}
+
+/// Those of an atom's columns that are fitted.
+fn active(stage: &Stage, atom: &Atom) -> Vec<Vec<f64>> {
+    let mut all = stage.columns(&atom.term);
+    atom.active.iter().filter_map(|&i| all.get_mut(i).map(std::mem::take)).collect()
+}
+
+fn add(sum: &mut [f64], column: &[f64], c: f64) {
+    for (s, x) in sum.iter_mut().zip(column) {
+        *s += c * x;
+    }
+}
+
+/// Why no motion tells an effect, and what would; None where a motion can.
+pub(crate) fn elsewhere(id: &str, unavailable: bool) -> Option<&'static str> {
+    Some(match id {
+        "back_emf" => "open and short the winding while the slide is pushed: motion alone cannot tell",
+        "force_crosstalk" => "hang weights, then shake the free load cell: motion alone cannot tell",
+        "offset" => {
+            "read the force at rest with nothing touching the load cell: what it shows then is the offset"
+        }
+        "accelerometer_error" => "compare with the second difference of the position on a faster move",
+        "gravity" if unavailable => "turn the axis over and repeat the move: weight changes its sign",
+        "velocity_lag" if unavailable => {
+            "record the velocity channel too: `velocity_m_s` beside the position"
+        }
+        _ => return None,
+    })
+}
+
+/// Whether a motion can show an effect or tell it from others.
+pub(crate) fn movable(kind: TermKind) -> bool {
+    elsewhere(kind.id(), false).is_none()
+}

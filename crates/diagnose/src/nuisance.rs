@@ -1,0 +1,245 @@
+//! What may differ from one recording of a body to the next without being physics: a zero of the force channel, of the
+//! encoder, the friction level of the day. Shared unless declared: every one that is free can hide physics.
+//!
+//! Offset and friction level are columns of the fit, relative to the first recording, because a constant common to all is
+//! the asymmetry of Coulomb friction, and a level common to all is Coulomb friction. The origin of the position is found
+//! before anything is named, by registration: any law of position, even or odd in the direction, is a curve over
+//! position that the recordings must share.
+
+use crate::design::left;
+use crate::linear::fit;
+use crate::locate::row_motion;
+use crate::term::Stage;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+/// What may be declared to differ between recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nuisance {
+    /// A constant that the force channel adds.
+    Offset,
+    /// Where position is zero.
+    Origin,
+    /// The Coulomb level, by as much in both directions.
+    Friction,
+}
+
+impl Nuisance {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[Self::Offset, Self::Origin, Self::Friction];
+
+    /// As typed and in files.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Offset => "offset",
+            Self::Origin => "origin",
+            Self::Friction => "friction",
+        }
+    }
+
+    /// The nuisance of this name.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|n| n.id() == id)
+    }
+
+    /// Its column on a track, where it is one.
+    fn column(self, sign: &[f64]) -> Option<Vec<f64>> {
+        match self {
+            Self::Offset => Some(vec![1.0; sign.len()]),
+            Self::Friction => Some(sign.to_vec()),
+            Self::Origin => None,
+        }
+    }
+
+    pub(crate) fn unit(self, rotary: bool) -> &'static str {
+        match (self, rotary) {
+            (Self::Origin, false) => "m",
+            (Self::Origin, true) => "rad",
+            (_, false) => "N",
+            (_, true) => "N·m",
+        }
+    }
+}
+
+/// A nuisance of one recording: what it has beyond the first one, or, where a frozen model is judged, beyond the model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PerRecording {
+    /// Name of the recording.
+    pub recording: String,
+    /// `offset`, `origin` or `friction`.
+    pub nuisance: String,
+    /// Estimate; 0 where the recordings do not determine it.
+    pub value: f64,
+    /// Standard deviation; NaN (null) where the recordings do not determine it.
+    pub std: f64,
+    /// SI unit.
+    pub unit: String,
+}
+
+/// A nuisance that is a column of the baseline, and of which recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Declared {
+    pub recording: usize,
+    pub nuisance: Nuisance,
+}
+
+impl Stage {
+    /// Column of a nuisance, zero outside of `recording` where one is given. None for the origin.
+    pub(crate) fn nuisance_column(&self, nuisance: Nuisance, recording: Option<usize>) -> Option<Vec<f64>> {
+        nuisance.column(&[])?;
+        Some(self.rows(|t| match nuisance.column(&t.sign) {
+            Some(series) if recording.is_none_or(|r| r == t.raw.recording) => t.pass(&series),
+            _ => vec![0.0; t.len()],
+        }))
+    }
+
+    /// Adds the columns of `declared` nuisances for every recording after the first.
+    pub(crate) fn declare(&mut self, declared: &[Nuisance]) -> Vec<Declared> {
+        let first = self.tracks.first().map_or(0, |t| t.raw.recording);
+        let mut recordings: Vec<usize> = self.tracks.iter().map(|t| t.raw.recording).collect();
+        recordings.dedup();
+        let mut out = Vec::new();
+        for &recording in recordings.iter().filter(|r| **r != first) {
+            for &nuisance in declared {
+                let column = self.nuisance_column(nuisance, Some(recording));
+                if let Some(column) = column.filter(|c| c.iter().any(|x| *x != 0.0)) {
+                    self.baseline.push(column);
+                    out.push(Declared { recording, nuisance });
+                }
+            }
+        }
+        if let Some(fit) = (!out.is_empty()).then(|| fit(&self.baseline, &self.y, &self.blocks, 4)).flatten()
+        {
+            self.blocks.mass = fit.coefficients[0];
+            self.model_force(&fit.coefficients);
+        }
+        out
+    }
+
+    /// The same stage with every position less by `by` in one recording.
+    pub(crate) fn shifted(&self, recording: usize, by: f64) -> Self {
+        let mut out = self.clone();
+        for track in out.tracks.iter_mut().filter(|t| t.raw.recording == recording) {
+            track.x.iter_mut().for_each(|x| *x -= by);
+            track.raw.position.iter_mut().for_each(|x| *x -= by);
+        }
+        out
+    }
+}
+
+/// Knots of the curve over position.
+const KNOTS: usize = 28;
+/// Places tried over the range of a shift.
+const PLACES: i32 = 40;
+/// Drop of the squared error, in squared noise, from which a shift is believed.
+const SURE: f64 = 30.0;
+
+/// Where position is zero in each recording after the first, relative to it, with its standard deviation; None where the
+/// recordings do not determine it.
+pub(crate) fn origins(stage: &Stage) -> Vec<(usize, Option<(f64, f64)>)> {
+    let (mut position, _) = row_motion(stage);
+    let sign = stage.rows(|t| t.sign.clone());
+    let mut owner = Vec::new();
+    for track in &stage.tracks {
+        owner.extend(std::iter::repeat_n(track.raw.recording, track.row_count()));
+    }
+    let mut recordings = owner.clone();
+    recordings.dedup();
+    let mut out = Vec::new();
+    for k in 1..recordings.len() {
+        let rows: Vec<usize> = (0..owner.len())
+            .filter(|&i| recordings[..=k].contains(&owner[i]) && stage.share[i] > 0.5)
+            .collect();
+        let here = recordings[k];
+        let found = register(stage, &rows, &position, &sign, |i| owner[i] == here);
+        if let Some((shift, _)) = found {
+            for (x, _) in position.iter_mut().zip(&owner).filter(|(_, o)| **o == here) {
+                *x -= shift;
+            }
+        }
+        out.push((here, found));
+    }
+    out
+}
+
+/// The shift of some rows at which one curve over position serves all best.
+fn register(
+    stage: &Stage,
+    rows: &[usize],
+    position: &[f64],
+    sign: &[f64],
+    moved: impl Fn(usize) -> bool,
+) -> Option<(f64, f64)> {
+    let range = |want: bool| {
+        rows.iter()
+            .filter(|&&i| moved(i) == want)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &i| (l.min(position[i]), h.max(position[i])))
+    };
+    let (old, new) = (range(false), range(true));
+    let span = (old.1 - old.0).min(new.1 - new.0);
+    if !(span > 0.0 && span.is_finite()) {
+        return None;
+    }
+    let (low, high) = (old.0.min(new.0), old.1.max(new.1));
+    let reach = 0.5 * span;
+    let error = |shift: f64| -> f64 {
+        let place = |i: usize| {
+            let x = if moved(i) { position[i] - shift } else { position[i] };
+            // beyond either end the curve goes on level
+            ((x - low + reach) / (high - low + 2.0 * reach) * (KNOTS - 1) as f64)
+                .clamp(0.0, KNOTS as f64 - 1.001)
+        };
+        let p = stage.baseline.len() + 2 * KNOTS;
+        let mut gram = DMatrix::zeros(p, p);
+        let mut moment = DVector::zeros(p);
+        let mut power = 0.0;
+        let mut entries: Vec<(usize, f64)> = Vec::with_capacity(stage.baseline.len() + 4);
+        for &i in rows {
+            entries.clear();
+            entries.extend(stage.baseline.iter().enumerate().map(|(c, column)| (c, column[i])));
+            let at = place(i);
+            let (knot, share) = (at.floor() as usize, at.fract());
+            let way = sign[i].signum() * stage.share[i];
+            let from = stage.baseline.len() + knot;
+            entries.extend([
+                (from, (1.0 - share) * stage.share[i]),
+                (from + 1, share * stage.share[i]),
+                (from + KNOTS, (1.0 - share) * way),
+                (from + KNOTS + 1, share * way),
+            ]);
+            for &(a, x) in &entries {
+                for &(b, y) in &entries {
+                    gram[(a, b)] += x * y;
+                }
+                moment[a] += x * stage.y[i];
+            }
+            power += stage.y[i] * stage.y[i];
+        }
+        left(&gram, &moment, power)
+    };
+    let still = error(0.0);
+    let step = 2.0 * reach / f64::from(PLACES);
+    let coarse = (-PLACES / 2..=PLACES / 2).map(|k| f64::from(k) * step);
+    let (mut best, mut least) =
+        coarse.map(|s| (s, error(s))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, still));
+    let mut width = 0.5 * step;
+    while width > 1e-4 * span {
+        for side in [-1.0, 1.0] {
+            let there = error(best + side * width);
+            if there < least {
+                (best, least) = (best + side * width, there);
+            }
+        }
+        width *= 0.6;
+    }
+    let noise = least / (rows.len() as f64 - (stage.baseline.len() + 2 * KNOTS) as f64).max(1.0);
+    if !(still - least > SURE * noise) {
+        return None;
+    }
+    let h = 0.25 * step;
+    let bend = (error(best + h) + error(best - h) - 2.0 * least) / (h * h);
+    let std = if bend > 0.0 { (2.0 * noise / bend).sqrt() } else { f64::NAN };
+    Some((best, std))
+}

@@ -1,0 +1,78 @@
+//! The closed loop as a user runs it: from one sine to the one explanation that is left.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn tribos(dir: &Path, arguments: &[&str]) -> Output {
+    let out = Command::new(env!("CARGO_BIN_EXE_tribos")).args(arguments).current_dir(dir).output().unwrap();
+    let said = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
+    println!("$ tribos {}\n{said}", arguments.join(" "));
+    out
+}
+
+/// Investigates a concealed effect; the JSON of it.
+fn investigate(dir: &Path, effect: &str, first: &str, seed: &str) -> serde_json::Value {
+    let out = tribos(
+        dir,
+        &[
+            "investigate",
+            "sim",
+            "--conceal",
+            effect,
+            "--seed",
+            seed,
+            "--first",
+            first,
+            "--out",
+            seed,
+            "--expect",
+            effect,
+        ],
+    );
+    assert_eq!(out.status.code(), Some(0), "{effect} is settled, seed {seed}");
+    let folder = dir.join(seed);
+    for name in
+        ["round-1.csv", "round-2.csv", "model.toml", "diagnosis.json", "report.html", "investigation.json"]
+    {
+        assert!(std::fs::metadata(folder.join(name)).unwrap().len() > 100, "{name}");
+    }
+    assert!(
+        std::fs::read_dir(&folder).unwrap().all(|f| !f.unwrap().path().to_string_lossy().ends_with(".part"))
+    );
+    serde_json::from_slice(&std::fs::read(folder.join("investigation.json")).unwrap()).unwrap()
+}
+
+/// The first round does not know: the effect is unseen, or something else explains the recording as well.
+fn is_open(round: &serde_json::Value, effect: &str) -> bool {
+    let blind = round["blind_to"].as_array().unwrap().iter().any(|b| b == effect);
+    let named = round["named"].as_object().unwrap();
+    blind
+        || named.values().any(|rivals| rivals.as_array().unwrap().iter().any(|r| r == effect))
+        || named
+            .get(effect)
+            .is_some_and(|rivals| rivals.as_array().unwrap().iter().any(|r| r != "force_crosstalk"))
+}
+
+#[test]
+fn a_spring_behind_the_mass_is_found_by_the_move_that_shows_it() {
+    let dir = tempfile::tempdir().unwrap();
+    for seed in ["1", "2"] {
+        let done = investigate(dir.path(), "spring", "sine 0.003 8 12", seed);
+        let rounds = done["rounds"].as_array().unwrap();
+        assert!(is_open(&rounds[0], "spring"), "{}", rounds[0]["believed"]);
+        let found = done["diagnosis"]["missing"].as_array().unwrap();
+        let stiffness = &found.iter().find(|m| m["effect"] == "spring").unwrap()["parameters"]["stiffness"];
+        println!("concealed 40 N/m, found {stiffness}");
+        assert!((stiffness["value"].as_f64().unwrap() - 40.0).abs() < 4.0);
+    }
+}
+
+#[test]
+fn presliding_is_told_from_frictional_lag_by_a_move() {
+    let dir = tempfile::tempdir().unwrap();
+    for seed in ["1", "2"] {
+        let done = investigate(dir.path(), "presliding", "sine 0.003 8 12", seed);
+        let rounds = done["rounds"].as_array().unwrap();
+        assert!(is_open(&rounds[0], "presliding"), "{}", rounds[0]["believed"]);
+    }
+}
