@@ -8,7 +8,7 @@ use crate::floor::{Floor, floor, systematic};
 use crate::free_run::{self, Plant};
 use crate::intake::{Intake, take};
 use crate::joint::Joint;
-use crate::linear::{Fit, dot};
+use crate::linear::Fit;
 use crate::locate::{locate, row_motion, row_times};
 use crate::nuisance::{self, Declared, Nuisance, PerRecording};
 use crate::options::{Error, Options};

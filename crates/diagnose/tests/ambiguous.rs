@@ -15,7 +15,7 @@ const FREQUENCY: f64 = 1.93;
 
 /// A slide of 0.42 kg under 1.75 N and 1.6 N of friction moves as one sine of 1.93 Hz and 10 mm; `beyond` is what else acts:
 /// of time, position, velocity and the distance since the last reversal.
-fn one_sine(seed: u64, beyond: impl Fn(f64, f64, f64, f64) -> f64) -> Recording {
+fn one_sine(seed: u64, rate: f64, beyond: impl Fn(f64, f64, f64, f64) -> f64) -> Recording {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (mut of_force, mut of_position) = {
         let normal = |s: f64| Normal::new(0.0, s).unwrap();
@@ -24,8 +24,8 @@ fn one_sine(seed: u64, beyond: impl Fn(f64, f64, f64, f64) -> f64) -> Recording 
     let mut draw = |from: &mut Normal<f64>| from.sample(&mut random);
     let (reach, w) = (0.010, TAU * FREQUENCY);
     let mut out = Recording { name: format!("one sine {seed}"), ..Recording::default() };
-    for i in 0..16_000 {
-        let t = f64::from(i) * 1e-3;
+    for i in 0..(16.0 * rate) as i32 {
+        let t = f64::from(i) / rate;
         let (x, v) = (reach * (w * t).sin(), reach * w * (w * t).cos());
         let since = if v > 0.0 { x + reach } else { reach - x };
         let level = if v > 0.0 { 1.75 + 4.0 * v } else { -1.6 + 5.0 * v };
@@ -64,7 +64,7 @@ fn open(d: &Diagnosis, effect: &str) -> Option<String> {
 #[test]
 fn a_spring_hides_behind_the_mass_on_one_sine_and_a_move_is_found_that_shows_it() {
     for seed in [11, 12, 13] {
-        let d = run(&format!("spring, seed {seed}"), one_sine(seed, |_, x, _, _| 40.0 * x));
+        let d = run(&format!("spring, seed {seed}"), one_sine(seed, 1e3, |_, x, _, _| 40.0 * x));
         let experiment = open(&d, "spring").expect("said to be open");
         assert!(experiment.starts_with("move "), "{experiment}");
         let e = d.experiments.iter().find(|e| e.effect == "spring" || e.rival.as_deref() == Some("spring"));
@@ -86,7 +86,7 @@ fn a_spring_hides_behind_the_mass_on_one_sine_and_a_move_is_found_that_shows_it(
 #[test]
 fn what_no_motion_can_tell_is_said_with_what_would() {
     for seed in [21, 22] {
-        let d = run(&format!("offset 0.3 N, seed {seed}"), one_sine(seed, |_, _, _, _| 0.3));
+        let d = run(&format!("offset 0.3 N, seed {seed}"), one_sine(seed, 1e3, |_, _, _, _| 0.3));
         // reversals too swift for any sample to fall into them were taken for an actuator's lag
         assert_eq!(d.verdict, Verdict::NoMismatch, "{}", d.summary);
         assert!(open(&d, "back_emf").expect("viscous friction may be back-EMF").contains("winding"));
@@ -95,15 +95,22 @@ fn what_no_motion_can_tell_is_said_with_what_would() {
 }
 
 #[test]
-fn presliding_and_frictional_lag_are_one_thing_on_one_sine() {
-    for (seed, size) in [(31, 0.06), (32, 0.06), (33, 0.03)] {
-        // friction that builds up over 0.4 mm after a reversal
-        let d = run(
-            &format!("presliding {size} N, seed {seed}"),
-            one_sine(seed, |_, _, v, since| -2.0 * size * v.signum() * (-since / 4e-4).exp()),
-        );
-        let experiment =
-            open(&d, "presliding").or_else(|| open(&d, "frictional_lag")).expect("said to be open");
-        assert!(experiment.starts_with("move "), "{experiment}");
+fn presliding_and_frictional_lag_are_told_apart_or_said_to_be_open() {
+    // after a reversal friction builds up over 0.4 mm, or comes 4 ms late
+    let over_distance = |v: f64, since: f64| -2.0 * v.signum() * (-since / 4e-4).exp();
+    let late = |v: f64, since: f64| {
+        let time = (1.0 - since / 0.010).clamp(-1.0, 1.0).acos() / (TAU * FREQUENCY);
+        if time < 4e-3 { -2.0 * v.signum() } else { 0.0 }
+    };
+    for (size, seed) in [(0.3, 31), (0.3, 32)] {
+        for (truth, unit) in
+            [("presliding", &over_distance as &dyn Fn(f64, f64) -> f64), ("frictional_lag", &late)]
+        {
+            let recording = one_sine(seed, 1e3, |_, _, v, since| size * unit(v, since));
+            let d = run(&format!("{truth} {size} N, seed {seed}"), recording);
+            let named = d.missing.first().is_some_and(|m| m.effect == truth);
+            let open = open(&d, truth);
+            assert!(named || open.is_some_and(|e| e.starts_with("move ")), "{truth} {size}: {}", d.summary);
+        }
     }
 }

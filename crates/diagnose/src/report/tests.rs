@@ -182,7 +182,7 @@ fn everything_a_person_needs_is_said() {
         "from repeats",
         "97 %",
         "brass-2.csv",
-        "position origin",
+        "origin",
         "40.0 Hz",
     ] {
         assert!(page.contains(needed), "missing: {needed}");
