@@ -133,8 +133,8 @@ impl Stage {
 const KNOTS: usize = 28;
 /// Places tried over the range of a shift.
 const PLACES: i32 = 40;
-/// Drop of the squared error, in squared noise, from which a shift is believed.
-const SURE: f64 = 30.0;
+/// Squared error, in squared noise, by which one shift must be better than another to be preferred.
+pub(crate) const SURE: f64 = 30.0;
 
 /// Where position is zero in each recording after the first, relative to it, with its standard deviation; None where the
 /// recordings do not determine it.
@@ -220,21 +220,10 @@ fn register(
         left(&gram, &moment, power)
     };
     let still = error(0.0);
+    let freedom = (rows.len() as f64 - (stage.baseline.len() + 2 * KNOTS) as f64).max(1.0);
+    let (best, least) = nearest(reach, span, |least| SURE * least / freedom, error);
     let step = 2.0 * reach / f64::from(PLACES);
-    let coarse = (-PLACES / 2..=PLACES / 2).map(|k| f64::from(k) * step);
-    let (mut best, mut least) =
-        coarse.map(|s| (s, error(s))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, still));
-    let mut width = 0.5 * step;
-    while width > 1e-4 * span {
-        for side in [-1.0, 1.0] {
-            let there = error(best + side * width);
-            if there < least {
-                (best, least) = (best + side * width, there);
-            }
-        }
-        width *= 0.6;
-    }
-    let noise = least / (rows.len() as f64 - (stage.baseline.len() + 2 * KNOTS) as f64).max(1.0);
+    let noise = least / freedom;
     if !(still - least > SURE * noise) {
         return None;
     }
@@ -242,4 +231,40 @@ fn register(
     let bend = (error(best + h) + error(best - h) - 2.0 * least) / (h * h);
     let std = if bend > 0.0 { (2.0 * noise / bend).sqrt() } else { f64::NAN };
     Some((best, std))
+}
+
+/// The shift within ±`reach` with the least error, and that error. Of several minima that differ by no more than
+/// `slack(least)` it is the one nearest to zero: a wave over position repeats, and its origin with it.
+pub(crate) fn nearest(
+    reach: f64,
+    span: f64,
+    slack: impl Fn(f64) -> f64,
+    error: impl Fn(f64) -> f64,
+) -> (f64, f64) {
+    let step = 2.0 * reach / f64::from(PLACES);
+    let coarse: Vec<(f64, f64)> =
+        (-PLACES / 2..=PLACES / 2).map(|k| f64::from(k) * step).map(|s| (s, error(s))).collect();
+    let lowest = |k: usize| {
+        let beside = [k.checked_sub(1), Some(k + 1)];
+        beside.into_iter().flatten().filter_map(|j| coarse.get(j)).all(|c| c.1 >= coarse[k].1)
+    };
+    let refined = |(mut best, mut least): (f64, f64)| {
+        let mut width = 0.5 * step;
+        while width > 1e-4 * span {
+            for side in [-1.0, 1.0] {
+                let there = error(best + side * width);
+                if there < least {
+                    (best, least) = (best + side * width, there);
+                }
+            }
+            width *= 0.6;
+        }
+        (best, least)
+    };
+    let minima: Vec<(f64, f64)> =
+        (0..coarse.len()).filter(|&k| lowest(k)).map(|k| refined(coarse[k])).collect();
+    let least = minima.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
+    let most = least + slack(least);
+    let near = minima.into_iter().filter(|m| m.1 <= most).min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    near.unwrap_or((0.0, least))
 }

@@ -4,7 +4,7 @@
 use crate::engine::BASELINE;
 use crate::intake::Intake;
 use crate::linear::{Blocks, dot, fit};
-use crate::nuisance::{Nuisance, PerRecording};
+use crate::nuisance::{Nuisance, PerRecording, SURE, nearest};
 use crate::result::Validation;
 use crate::search::Hypothesis;
 use crate::term::Stage;
@@ -135,23 +135,10 @@ impl Frozen<'_> {
         if (error(0.01 * span) - still.0).abs() <= 1e-9 * still.0 {
             return still;
         }
-        let step = span / 40.0;
-        let coarse = (-20..=20).map(|k| f64::from(k) * step);
-        let (mut best, mut least) =
-            coarse.map(|s| (s, error(s))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, still.0));
-        let mut width = 0.5 * step;
-        while width > 1e-4 * span {
-            for side in [-1.0, 1.0] {
-                let there = error(best + side * width);
-                if there < least {
-                    (best, least) = (best + side * width, there);
-                }
-            }
-            width *= 0.6;
-        }
-        let h = 0.1 * step;
-        let bend = (error(best + h) + error(best - h) - 2.0 * least) / (h * h);
         let rows: f64 = stage.block_weight().iter().sum();
+        let (best, least) = nearest(0.5 * span, span, |least| SURE * least / rows.max(1.0), error);
+        let h = 0.0025 * span;
+        let bend = (error(best + h) + error(best - h) - 2.0 * least) / (h * h);
         let std = if bend > 0.0 { (2.0 * least / rows.max(1.0) / bend).sqrt() } else { f64::NAN };
         let (least, mut fitted) = with(&stage.shifted(index, best));
         fitted.push((Nuisance::Origin, best, std));
