@@ -78,7 +78,7 @@ fn cost(stage: &Stage, seed: u64, of: impl Fn(&Track) -> Vec<f64>) -> Option<Cos
     let (before, after, count) = (part(0), part(1), part(2));
     let total = |s: &[f64]| s.iter().sum::<f64>();
     let rms = |s: &[f64]| (total(s) / total(&count)).sqrt();
-    let interval = gain_interval(&before, &after, &count, 1000, seed);
+    let interval = gain_interval(&before, &after, &count, &[], 1000, seed);
     // less than this share of the noise is not worth a name, however sure
     let error = (rms(&before).powi(2) - rms(&after).powi(2)).max(0.0).sqrt();
     let counts = interval[0] > 0.0 && error > crate::floor::REGULAR * rms(&after);

@@ -452,7 +452,14 @@ impl Run<'_> {
         let rows: f64 = stage.block_weight().iter().sum();
         let before = without.as_ref().map_or(f64::NAN, |w| (w.fit.heldout_sum() / rows).sqrt());
         let interval = without.as_ref().map_or([0.0, 0.0], |w| {
-            gain_interval(&w.fit.heldout, &found.fit.heldout, &stage.block_weight(), 2000, self.options.seed)
+            gain_interval(
+                &w.fit.heldout,
+                &found.fit.heldout,
+                &stage.block_weight(),
+                &stage.blocks.recordings,
+                2000,
+                self.options.seed,
+            )
         });
         Missing {
             effect: atom.term.kind.id().into(),

@@ -81,6 +81,8 @@ pub struct Blocks {
     pub edges: Vec<usize>,
     /// True where a block starts another recording or segment.
     pub starts: Vec<bool>,
+    /// Recording of each block; empty when there is one only.
+    pub recordings: Vec<usize>,
     /// Squared noise of the first column, the mass's acceleration, in each block; empty when it has none.
     pub noise: Vec<f64>,
     /// Coefficient of the first column whose share of the error counts as noise of the recording.

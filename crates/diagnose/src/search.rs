@@ -416,6 +416,7 @@ impl Search<'_> {
             &parent.fit.heldout,
             &child.fit.heldout,
             &self.stage.block_weight(),
+            &self.stage.blocks.recordings,
             1000,
             self.seed ^ 0x9e37,
         )

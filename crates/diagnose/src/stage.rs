@@ -16,7 +16,7 @@ fn cut(tracks: &[Track]) -> Blocks {
     let total: usize = tracks.iter().map(Track::row_count).sum();
     let wanted = (total / 20).clamp(8, 48);
     let mut edges = vec![0];
-    let mut starts = Vec::new();
+    let (mut starts, mut recordings) = (Vec::new(), Vec::new());
     let mut from = 0;
     for track in tracks {
         let rows = track.row_count();
@@ -24,10 +24,11 @@ fn cut(tracks: &[Track]) -> Blocks {
         for b in 0..count {
             edges.push(from + (b + 1) * rows / count);
             starts.push(b == 0);
+            recordings.push(track.raw.recording);
         }
         from += rows;
     }
-    Blocks { edges, starts, ..Blocks::default() }
+    Blocks { edges, starts, recordings, ..Blocks::default() }
 }
 
 impl Stage {

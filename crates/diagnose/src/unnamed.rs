@@ -48,8 +48,14 @@ pub fn find(search: &Search, found: &Hypothesis, left: &Located, start: f64) -> 
         return None;
     }
     let described = fit(&columns, &stage.y, &stage.blocks, FOLDS)?;
-    let interval =
-        gain_interval(&found.fit.heldout, &described.heldout, &stage.block_weight(), 2000, search.seed);
+    let interval = gain_interval(
+        &found.fit.heldout,
+        &described.heldout,
+        &stage.block_weight(),
+        &stage.blocks.recordings,
+        2000,
+        search.seed,
+    );
     let gained = found.fit.heldout_sum() - described.heldout_sum();
     if interval[0] <= 0.0 || gained < (0.05 * (start - search.floor)).max(search.systematic) {
         return None;
