@@ -319,19 +319,17 @@ impl Machine {
         }
     }
 
-    /// Makes the core panic where it is, as an index out of range would: it calls the panic of the core library, with a
-    /// location in RAM that nothing uses. False when the image has no such function.
+    /// Makes the core panic where it is, as a division by zero would: it calls a panic of the core library that takes
+    /// nothing but a location, here in RAM that nothing uses. False when the image has no such function.
     pub fn panic_here(&mut self) -> bool {
-        let called = self.image.symbols.iter().find(|(name, _)| name.contains("panic_bounds_check"));
+        let called = self.image.symbols.iter().find(|(name, _)| name.contains("panic_const_"));
         let Some(function) = called.map(|(_, address)| *address & !1) else { return false };
         let location = self.image.symbol("__sheap").unwrap_or(RAM_BASE) + 64;
         // the text, its length, line, column
         for (k, word) in [FLASH_BASE, 4, 7, 1].into_iter().enumerate() {
             let _ = self.ram.write_at(u64::from(location - RAM_BASE) + 4 * k as u64, &u32::to_le_bytes(word));
         }
-        for (register, value) in [(0, 7), (1, 4), (2, location)] {
-            self.cpu.set_reg(register, value);
-        }
+        self.cpu.set_reg(0, location);
         self.cpu.set_pc(function);
         true
     }
