@@ -1,13 +1,14 @@
 //! The questions a diagnosis leaves open, and the moves that answer them.
 
-use super::{Designer, ENOUGH, Experiment, Move, Question, elsewhere};
+use super::{Designer, Experiment, Move, Question, elsewhere};
 use crate::ambiguity::Rival;
 use crate::result::{Blind, Missing};
 use crate::search::{Atom, Hypothesis};
 use serde::Serialize;
 
-/// Cosine on the best move above which a larger law that is not told apart contains the smaller one, as a wave much longer
-/// than the stroke contains a spring: the same force in more parameters is not another explanation.
+/// Cosine with the best move above which a larger law contains the smaller one, as a wave much longer than the stroke
+/// contains a spring: the same force in more parameters is not another explanation. However long the recording, the little
+/// that it bends to fit is other physics that neither has.
 const CONTAINS: f64 = 0.998;
 
 /// Where the device can make no move at all.
@@ -58,8 +59,7 @@ impl Designer<'_> {
                     continue;
                 };
                 let best = each.next().and_then(Option::as_ref);
-                let contains = |e: &Experiment| e.discrimination < ENOUGH && e.cosine > CONTAINS;
-                if best.is_some_and(contains) && self.is_larger(fit, named) {
+                if best.is_some_and(|e| e.cosine > CONTAINS) && self.is_larger(fit, named) {
                     continue;
                 }
                 standing.push(rival.id);
