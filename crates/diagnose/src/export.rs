@@ -12,8 +12,10 @@ use rayon::prelude::*;
 /// The model of a hypothesis, behind the filter at `cutoff` Hz.
 pub fn model(intake: &Intake, stage: &Stage, found: &Hypothesis, cutoff: f64) -> Model {
     let c = |i: usize| found.fit.coefficients.get(i).copied().unwrap_or(0.0);
-    // Sliding only was fitted: the static levels are those of sliding, and Δv comes last. A level that came out below zero is zero.
-    let (c_p, c_n) = (c(1).max(0.0), c(2).max(0.0));
+    // Sliding only was fitted: the static levels are those of sliding, and Δv comes last.
+    // Where one level lies below zero there is a constant in the force, which while sliding is half their difference.
+    let offset = if c(1) < 0.0 || c(2) < 0.0 { 0.5 * (c(1) - c(2)) } else { 0.0 };
+    let (c_p, c_n) = ((c(1) - offset).max(0.0), (c(2) + offset).max(0.0));
     let law = Karnopp { c_p, c_n, b_p: c(3), b_n: c(4), d_p: c_p, d_n: c_n, delta_v: 0.0 };
     let mut model = Model {
         geometry: if intake.rotary { Geometry::Rotary } else { Geometry::Linear },
@@ -32,6 +34,7 @@ pub fn model(intake: &Intake, stage: &Stage, found: &Hypothesis, cutoff: f64) ->
         };
         model.std.insert(name.into(), *std);
     }
+    model.nuisances.offset = offset;
     if stage.delay {
         model.nuisances.delay_s = c(BASELINE.len());
     }
