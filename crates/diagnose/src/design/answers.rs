@@ -3,13 +3,8 @@
 use super::{Designer, Experiment, Move, Question, elsewhere};
 use crate::ambiguity::Rival;
 use crate::result::{Blind, Missing};
-use crate::search::{Atom, Hypothesis};
+use crate::search::Atom;
 use serde::Serialize;
-
-/// Cosine with the best move above which a larger law contains the smaller one, as a wave much longer than the stroke
-/// contains a spring: the same force in more parameters is not another explanation. However long the recording, the little
-/// that it bends to fit is other physics that neither has.
-const CONTAINS: f64 = 0.998;
 
 /// Where the device can make no move at all.
 const NO_MOVE: &str = "no move within the limits: more stroke, speed or force is needed";
@@ -49,19 +44,20 @@ impl Designer<'_> {
         }
         questions.extend(blind.iter().filter_map(|(_, atom)| atom.clone()).map(Question::Unseen));
         let plan = self.plan(&questions);
-        let mut each = plan.each.iter();
-        for (named, (entry, rivals)) in missing.iter_mut().zip(rivals).enumerate() {
+        let mut each = questions.iter().zip(&plan.each);
+        for (entry, rivals) in missing.iter_mut().zip(rivals) {
             let (mut moves, mut others, mut standing) = (Vec::new(), Vec::new(), Vec::new());
             for rival in rivals {
-                let Some(fit) = &rival.fit else {
+                if rival.fit.is_none() {
                     standing.push(rival.id);
                     others.extend(elsewhere(rival.id, false).map(String::from));
                     continue;
-                };
-                let best = each.next().and_then(Option::as_ref);
-                if best.is_some_and(|e| e.cosine > CONTAINS) && self.is_larger(fit, named) {
+                }
+                let Some((question, best)) = each.next() else { continue };
+                if best.as_ref().is_some_and(|e| self.contains(question, e)) {
                     continue;
                 }
+                let best = best.as_ref();
                 standing.push(rival.id);
                 moves.push(best.map_or_else(|| NO_MOVE.into(), Experiment::says));
             }
@@ -73,10 +69,8 @@ impl Designer<'_> {
         let mut seen = Vec::new();
         for (mut entry, atom) in blind {
             if atom.is_some() {
-                entry.experiment = match each.next() {
-                    Some(Some(e)) => e.says(),
-                    _ => NO_MOVE.into(),
-                };
+                let best = each.next().and_then(|(_, best)| best.as_ref());
+                entry.experiment = best.map_or_else(|| NO_MOVE.into(), Experiment::says);
             }
             seen.push(entry);
         }
@@ -94,11 +88,5 @@ impl Designer<'_> {
         };
         let experiments = plan.each.into_iter().flatten().filter(open).collect();
         Answers { blind: seen, experiments, next_experiment }
-    }
-
-    /// Whether a rival has more to bend than what was named.
-    fn is_larger(&self, rival: &Hypothesis, named: usize) -> bool {
-        let size = |a: &Atom| a.columns.len() + a.term.kind.shape().len();
-        rival.atoms.last().is_some_and(|theirs| size(theirs) > size(&self.found.atoms[named]))
     }
 }

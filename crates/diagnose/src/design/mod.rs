@@ -36,6 +36,11 @@ const SECONDS: f64 = 12.0;
 /// What a question about what was named counts beside one about what was not seen.
 const NAMED: f64 = 3.0;
 
+/// Cosine with the best move above which a larger law contains the smaller one, as a wave much longer than the stroke
+/// contains a spring: the same force in more parameters is not another explanation. However long the recording, the little
+/// that it bends to fit is other physics that neither has.
+const CONTAINS: f64 = 0.998;
+
 /// A move, and what it is good for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Experiment {
@@ -137,33 +142,48 @@ impl Designer<'_> {
                 questions.iter().zip(&evidence).map(of).collect()
             })
             .collect();
-        let mut plan = Plan { each: vec![None; questions.len()], together: Vec::new() };
-        let mut best = 0.0;
-        for row in judged {
-            let worth: f64 = row
-                .iter()
-                .flatten()
-                .filter(|e| {
-                    e.discrimination >= WORTHWHILE.max(1.2 * e.discrimination_now) && !self.is_given_up(e)
-                })
-                .map(|e| {
-                    let weight = if e.rival.is_some() { NAMED } else { 1.0 };
-                    weight * (e.discrimination.min(ENOUGH) - e.discrimination_now.min(ENOUGH)).max(0.0)
-                })
-                .sum();
-            for (slot, e) in plan.each.iter_mut().zip(&row) {
+        let mut each: Vec<Option<Experiment>> = vec![None; questions.len()];
+        for row in &judged {
+            for (slot, e) in each.iter_mut().zip(row) {
                 if let Some(e) = e
                     && slot.as_ref().is_none_or(|s| e.discrimination > s.discrimination)
                 {
                     *slot = Some(e.clone());
                 }
             }
+        }
+        let open: Vec<bool> = questions
+            .iter()
+            .zip(&each)
+            .map(|(q, best)| best.as_ref().is_some_and(|e| !self.is_given_up(e) && !self.contains(q, e)))
+            .collect();
+        let mut together = Vec::new();
+        let mut best = 0.0;
+        for row in judged {
+            let worth: f64 = row
+                .iter()
+                .zip(&open)
+                .filter_map(|(e, open)| e.as_ref().filter(|_| *open))
+                .filter(|e| e.discrimination >= WORTHWHILE.max(1.2 * e.discrimination_now))
+                .map(|e| {
+                    let weight = if e.rival.is_some() { NAMED } else { 1.0 };
+                    weight * (e.discrimination.min(ENOUGH) - e.discrimination_now.min(ENOUGH)).max(0.0)
+                })
+                .sum();
             if worth > best {
                 best = worth;
-                plan.together = row.into_iter().flatten().collect();
+                together = row.into_iter().zip(&open).filter_map(|(e, open)| e.filter(|_| *open)).collect();
             }
         }
-        plan
+        Plan { each, together }
+    }
+
+    /// Whether a rival that is larger than what was named contains it, by the best move there is.
+    fn contains(&self, question: &Question, best: &Experiment) -> bool {
+        let Question::Rival { named, rival } = question else { return false };
+        let size = |a: &Atom| a.columns.len() + a.term.kind.shape().len();
+        let larger = rival.atoms.last().is_some_and(|theirs| size(theirs) > size(&self.found.atoms[*named]));
+        larger && best.cosine > CONTAINS
     }
 
     /// The simulated recording of a move, behind the same filter as the real ones.
