@@ -1,5 +1,5 @@
 //! Time and memory of a diagnosis from 25 000 to 1 000 000 samples, each in a process of its own:
-//! `cargo run --release -p diagnose --example cost -- docs/diagnose_cost.svg`
+//! `cargo run --release -p diagnose --example cost -- cost.svg`
 //!
 //! The recording is a slide under Coulomb and Stribeck friction with a spring, driven by four sines, at 1 kHz.
 
