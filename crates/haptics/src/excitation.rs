@@ -106,6 +106,7 @@ pub struct Drive {
 
 impl Drive {
     /// Starts at the position where the handle is. The excitation must be valid.
+    #[inline(always)] // made where it stays, as a contact is
     pub(crate) fn start(config: &Config, excitation: &Excitation, position: f32) -> Self {
         let steps = excitation.seconds * config.timing.rate;
         Self {
