@@ -301,6 +301,7 @@ impl Peripherals {
     #[must_use]
     pub fn boot() -> Self {
         setup::boost();
+        setup::stack_floats_at_once();
         let p = embassy_stm32::init(setup::clocks());
         let reset_cause = setup::reset_cause();
         // first of all: what keeps the amplifier off
