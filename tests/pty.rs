@@ -17,6 +17,19 @@ impl Drop for Program {
     }
 }
 
+/// Opens the line, which `serialport` locks. A test beside this one that starts a program copies every open file for the
+/// moment between fork and exec, lock included: for that moment a line that was closed is still taken.
+fn open(name: &str) -> Box<dyn serialport::SerialPort> {
+    let begun = Instant::now();
+    loop {
+        match serialport::new(name, 921_600).timeout(Duration::from_millis(20)).open() {
+            Ok(port) => return port,
+            Err(e) if begun.elapsed() > Duration::from_secs(10) => panic!("{name}: {e}"),
+            Err(_) => std::thread::sleep(Duration::from_millis(10)),
+        }
+    }
+}
+
 fn start() -> (Program, Box<dyn serialport::SerialPort>) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_tribos-firmware"))
         .stdin(Stdio::piped())
@@ -33,7 +46,7 @@ fn start() -> (Program, Box<dyn serialport::SerialPort>) {
     };
     // what it says later is read by nobody, and must not stop it
     std::thread::spawn(move || lines.count());
-    let port = serialport::new(name, 921_600).timeout(Duration::from_millis(20)).open().expect("the port");
+    let port = open(&name);
     (program, port)
 }
 
@@ -107,7 +120,7 @@ fn a_second_host_finds_the_line_free_and_no_old_answers() {
     port.write_all(b"version\n").expect("the line");
     listen(port.as_mut(), |_, item| matches!(item, Item::Text(line) if line.starts_with("ok tribos")));
     drop(port);
-    let mut port = serialport::new(name, 921_600).timeout(Duration::from_millis(20)).open().expect("again");
+    let mut port = open(&name);
     port.write_all(b"get dv\n").expect("the line");
     listen(port.as_mut(), |_, item| {
         assert_eq!(*item, Item::Text("ok dv 0.007 m/s"));
