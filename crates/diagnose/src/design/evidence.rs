@@ -52,13 +52,14 @@ impl Sums {
         }
     }
 
-    fn plus(&self, other: &Self) -> Self {
+    /// With another stage, so many times.
+    fn plus(&self, other: &Self, times: f64) -> Self {
         Self {
-            gram: &self.gram + &other.gram,
-            target: &self.target + &other.target,
-            own: &self.own + &other.own,
-            target_power: self.target_power + other.target_power,
-            own_power: self.own_power + other.own_power,
+            gram: &self.gram + &other.gram * times,
+            target: &self.target + &other.target * times,
+            own: &self.own + &other.own * times,
+            target_power: self.target_power + other.target_power * times,
+            own_power: self.own_power + other.own_power * times,
             shared: self.shared,
         }
     }
@@ -129,14 +130,14 @@ impl Evidence {
         Self { forth: Sums::of(&forth), back: back.as_ref().map(Sums::of), scale: forth.scale }
     }
 
-    /// The same with one more stage; None where numbers are not finite.
-    pub fn with(&self, forth: &Sheet, back: Option<&Sheet>, floor: f64) -> Option<Judged> {
+    /// The same with one more stage, that comes `times` over; None where numbers are not finite.
+    pub fn with(&self, forth: &Sheet, back: Option<&Sheet>, times: f64, floor: f64) -> Option<Judged> {
         let forth = Sums::of(forth);
         let back = back.map(Sums::of);
         let both = |now: f64, other: Option<f64>| other.map_or(now, |o| now.min(o));
         let now = both(self.forth.left(), self.back.as_ref().map(Sums::left));
-        let joint = self.back.as_ref().zip(back.as_ref()).map(|(a, b)| a.plus(b).left());
-        let together = self.forth.plus(&forth);
+        let joint = self.back.as_ref().zip(back.as_ref()).map(|(a, b)| a.plus(b, times).left());
+        let together = self.forth.plus(&forth, times);
         let after = both(together.left(), joint);
         let judged = Judged {
             now: now.sqrt() / floor,
@@ -165,8 +166,8 @@ mod tests {
             Sheet { target: x.clone(), own: x, shared: vec![a], answer: Vec::new(), scale: None }
         };
         let evidence = Evidence::new(sheet(0.02), None);
-        let same = evidence.with(&sheet(0.02), None, 0.1).unwrap();
-        let other = evidence.with(&sheet(0.05), None, 0.1).unwrap();
+        let same = evidence.with(&sheet(0.02), None, 1.0, 0.1).unwrap();
+        let other = evidence.with(&sheet(0.05), None, 1.0, 0.1).unwrap();
         println!("the same sine again {:.3}, another {:.1} noise floors", same.after, other.after);
         assert!(same.now < 0.1 && same.after < 0.1 && (same.cosine_now - 1.0).abs() < 1e-9);
         // nearest mass m: Σ (x₁ + m ω₁² x₁)² + …; with equal powers P: P·(ω₂² − ω₁²)²/(ω₁⁴ + ω₂⁴)

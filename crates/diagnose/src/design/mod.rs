@@ -33,6 +33,8 @@ pub const ENOUGH: f64 = 6.0;
 pub const WORTHWHILE: f64 = 3.0;
 /// Length of a proposed move, s.
 const SECONDS: f64 = 12.0;
+/// Longest part of a move that is simulated, s, and fewest periods of it: the rest of it says the same again.
+const SIMULATED: (f64, f64) = (5.0, 4.0);
 /// What a question about what was named counts beside one about what was not seen.
 const NAMED: f64 = 3.0;
 
@@ -191,7 +193,8 @@ impl Designer<'_> {
         let first = self.search.stage.tracks.first()?;
         // no finer than the filter needs
         let dt = first.raw.dt.max(1.0 / (16.0 * self.cutoff));
-        let travel = simulate(&self.plant, &self.limits, motion, dt);
+        let part = Move { seconds: simulated(motion), ..*motion };
+        let travel = simulate(&self.plant, &self.limits, &part, dt);
         if travel.position.iter().chain(&travel.force).any(|x| !x.is_finite()) {
             return None;
         }
@@ -231,7 +234,8 @@ impl Designer<'_> {
         evidence: &Evidence,
     ) -> Option<Experiment> {
         let (forth, back) = self.sheets(stage, question, evidence.scale);
-        let mut judged = evidence.with(&forth, back.as_ref(), self.floor)?;
+        let times = motion.seconds / simulated(motion);
+        let mut judged = evidence.with(&forth, back.as_ref(), times, self.floor)?;
         if let Question::Unseen(atom) = question {
             // what its sensors' noise covers cannot be seen, however strong it is
             if atom.reliable < needed_reliability(atom.term.kind) {
@@ -381,6 +385,11 @@ impl Designer<'_> {
         }
         out
     }
+}
+
+/// Length of a move that is simulated, s.
+fn simulated(motion: &Move) -> f64 {
+    SIMULATED.0.max(SIMULATED.1 / motion.frequency).min(motion.seconds)
 }
 
 /// Those of an atom's columns that are fitted.
