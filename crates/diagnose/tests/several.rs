@@ -110,3 +110,59 @@ fn recordings_that_differ_in_kind_are_refused_by_name_or_fitted_together() {
     println!("mass {:.4} ± {:.4}", mass.value, mass.std);
     assert!((mass.value - 0.42).abs() < 0.01);
 }
+
+/// An axis of 0.02 kg·m² under 0.5 N·m of friction and a torsion spring of 0.8 N·m/rad, moved in closed form; time is
+/// scaled so that the motion suits the rate.
+fn axis(rate: f64, seed: u64, columns: bool) -> Recording {
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let noise = Normal::new(0.0, 0.01).unwrap();
+    let lines =
+        [(0.5, 1.0, 0.0), (0.25, 2.3, 1.0), (0.15, 4.1, 2.0)].map(|(a, f, p)| (a, f * rate / 800.0, p));
+    let mut out =
+        Recording { name: format!("axis at {rate} Hz"), geometry: Geometry::Rotary, ..Recording::default() };
+    let (mut speeds, mut accelerations) = (Vec::new(), Vec::new());
+    for i in 0..12_000 {
+        let t = f64::from(i) / rate;
+        let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
+        for (reach, f, phase) in lines {
+            let (w, at) = (std::f64::consts::TAU * f, std::f64::consts::TAU * f * t + phase);
+            x += reach * at.sin();
+            v += reach * w * at.cos();
+            a -= reach * w * w * at.sin();
+        }
+        // inertia and drag in the units of the scaled time, so that every rate has the same torques
+        let scale = 800.0 / rate;
+        out.time.push(t);
+        out.position.push(x);
+        out.force.push(
+            0.004 * scale * scale * a
+                + 0.5 * v.signum()
+                + 0.02 * scale * v
+                + 0.8 * x
+                + noise.sample(&mut random),
+        );
+        speeds.push(v);
+        accelerations.push(a);
+    }
+    if columns {
+        (out.velocity, out.acceleration) = (Some(speeds), Some(accelerations));
+    }
+    out
+}
+
+#[test]
+fn an_axis_is_diagnosed_at_50_hz_as_at_20_khz_with_columns_and_without() {
+    for (rate, columns) in [(50.0, false), (800.0, true), (20_000.0, false), (20_000.0, true)] {
+        let d = run(&[axis(rate, 71, columns), axis(rate, 72, columns)], &[], &[]);
+        let spring = d.missing.iter().find(|m| m.effect == "spring");
+        let stiffness =
+            spring.unwrap_or_else(|| panic!("{rate} Hz: {}", d.summary)).parameters["stiffness"].clone();
+        println!(
+            "{rate} Hz, columns {columns}: {:.4} ± {:.4} {}",
+            stiffness.value, stiffness.std, stiffness.unit
+        );
+        assert!((stiffness.value - 0.8).abs() < 0.02 && stiffness.unit == "N·m/rad", "{stiffness:?}");
+    }
+}
