@@ -1,5 +1,5 @@
 //! The control step on the target and on this machine, bit for bit, over inputs nobody would think of: 100 000 of them,
-//! under every law, both renderers and every effect.
+//! under every law, every renderer and every effect.
 //!
 //! The readings are made up in the emulated registers, so the ELF reads them as it reads a rig. What it did with each
 //! comes back in its telemetry: force, reference (the handle's position where nothing is driven), state and fault.
@@ -273,11 +273,11 @@ impl Pair {
     }
 }
 
-/// 25 000 random samples under one law: both renderers, four effects at a time out of all of them, a swap in mid-motion.
+/// 25 000 random samples under one law: every renderer, four effects at a time out of all of them, a swap in mid-motion.
 fn law(law: LawKind, seed: u64) {
     let Some(mut pair) = Pair::boot(seed) else { return };
     let mut effects = 0;
-    for (round, renderer) in ["virtual_coupling", "impedance"].into_iter().enumerate() {
+    for (round, renderer) in ["virtual_coupling", "impedance", "stopping_force"].into_iter().enumerate() {
         pair.use_preset("teflon");
         for (name, value) in
             [("f_static", "0.9"), ("f_dynamic", "0.6"), ("damping", "1.1"), ("sigma", "2000")]

@@ -28,6 +28,8 @@ pub struct Config {
     pub(crate) period_per_mass: f32,
     /// M/T, kg/s.
     pub(crate) mass_per_period: f32,
+    /// KT/4 + B/2, N·s/m: what a block's velocity of before and of after each take of the coupling's force.
+    pub(crate) coupling_share: f32,
     /// m/s of one count per tick.
     pub(crate) metre_per_second: f32,
     pub(crate) period_ticks: u32,
@@ -54,6 +56,7 @@ impl Config {
             damping: settings.b_vc,
             period_per_mass: device.period / settings.mass,
             mass_per_period: settings.mass / device.period,
+            coupling_share: 0.25 * settings.k_vc * device.period + 0.5 * settings.b_vc,
             metre_per_second: device.metre_per_count * device.tick_hz as f32,
             period_ticks: device.period_ticks(),
             blend_decay: Scalar::exp(device.period * (-1.0 / BLEND_S)),

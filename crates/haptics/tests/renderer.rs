@@ -73,7 +73,7 @@ fn holds_below_break_away_without_creep_and_without_a_sound() {
         assert!(creep.abs() < 1.5 * COUNT, "{name} creeps {creep} m");
         assert!((f64::from(outputs.force) + push).abs() < 0.05, "{name} balances");
         assert!(high - low < 0.06, "{name}: one count of the encoder at most is heard");
-        if settings.renderer == RendererKind::VirtualCoupling {
+        if settings.renderer.has_block() {
             assert!(still, "{name}: the block is at rest exactly");
             assert_eq!(f64::from(outputs.block_position), held.1, "{name}: not one bit");
         }

@@ -22,7 +22,7 @@ pub struct Nuisances {
 /// What a device needs beside the friction to render it; the virtual coupling of eq. 4.22.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Coupling {
-    /// `virtual_coupling` or `impedance`; the device keeps its own when absent.
+    /// `virtual_coupling`, `stopping_force` or `impedance`; the device keeps its own when absent.
     pub renderer: Option<String>,
     /// Stiffness, N/m; the device keeps its own when absent.
     pub k_vc: Option<f64>,

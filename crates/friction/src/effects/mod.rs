@@ -96,6 +96,22 @@ catalogue! {
 }
 
 impl EffectKind {
+    /// Always against the motion, and nothing at rest but where it adds to break-away: a part of the friction level.
+    /// The others are springs, loads or have a memory that pushes back.
+    pub fn opposes_motion(self) -> bool {
+        matches!(
+            self,
+            Self::Stribeck
+                | Self::SublinearViscous
+                | Self::QuadraticDrag
+                | Self::RisingStaticFriction
+                | Self::FrictionDrift
+                | Self::PositionDependentFriction
+                | Self::LoadDependentFriction
+                | Self::PeriodicFriction
+        )
+    }
+
     /// The effect with this id.
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.id() == id)

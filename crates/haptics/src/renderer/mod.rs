@@ -1,11 +1,14 @@
-//! The virtual contact on the handle, in two ways: the handle itself rubs (impedance, table 4-1), or a virtual block
-//! behind a spring and damper does (virtual coupling, eq. 4.22-4.24).
+//! The virtual contact on the handle, in three ways: the handle itself rubs (impedance, table 4-1), or a virtual block
+//! behind a spring and damper does, stepped as in the thesis (virtual coupling, eq. 4.22-4.24) or with friction and
+//! coupling solved together (stopping force).
 
+mod block;
 mod impedance;
+mod stopping_force;
 mod virtual_coupling;
 
+pub use block::Block;
 pub use impedance::Impedance;
-pub use virtual_coupling::VirtualCoupling;
 
 use crate::{Config, RendererKind};
 
@@ -47,8 +50,10 @@ pub struct Rendered {
 pub enum Contact {
     /// Friction on the handle itself.
     Impedance(Impedance),
-    /// Friction on a virtual block.
-    VirtualCoupling(VirtualCoupling),
+    /// Friction on a virtual block, eq. 4.22-4.24.
+    VirtualCoupling(Block),
+    /// Friction on a virtual block as a stopping force.
+    StoppingForce(Block),
 }
 
 impl Contact {
@@ -58,7 +63,8 @@ impl Contact {
     pub fn new(config: &Config, handle: &Handle) -> Self {
         match config.renderer {
             RendererKind::Impedance => Self::Impedance(Impedance::new(config, handle)),
-            RendererKind::VirtualCoupling => Self::VirtualCoupling(VirtualCoupling::new(config, handle)),
+            RendererKind::VirtualCoupling => Self::VirtualCoupling(Block::new(config, handle)),
+            RendererKind::StoppingForce => Self::StoppingForce(Block::new(config, handle)),
         }
     }
 
@@ -66,7 +72,8 @@ impl Contact {
     pub(crate) fn fits(&self, config: &Config) -> bool {
         match (self, config.renderer) {
             (Self::Impedance(contact), RendererKind::Impedance) => contact.fits(config),
-            (Self::VirtualCoupling(contact), RendererKind::VirtualCoupling) => contact.fits(config),
+            (Self::VirtualCoupling(block), RendererKind::VirtualCoupling)
+            | (Self::StoppingForce(block), RendererKind::StoppingForce) => block.fits(config),
             _ => false,
         }
     }
@@ -75,7 +82,8 @@ impl Contact {
     pub fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
         match self {
             Self::Impedance(contact) => contact.step(config, handle),
-            Self::VirtualCoupling(contact) => contact.step(config, handle),
+            Self::VirtualCoupling(block) => block.step_virtual_coupling(config, handle),
+            Self::StoppingForce(block) => block.step_stopping_force(config, handle),
         }
     }
 }

@@ -7,48 +7,17 @@
 //!
 //! A block that friction stops is at rest *exactly*: v = 0, no creep, no chatter, silence in the hand.
 
+use super::block::{Block, limited};
 use super::{Handle, Rendered};
 use crate::Config;
-use crate::settings::MAX_EFFECTS;
-use core::mem::{Discriminant, discriminant};
-use friction::effects::{EffectKind, EffectState};
-use friction::{FrictionLaw, Law, LawState, Motion};
+use friction::{FrictionLaw, Law, Motion};
 
 /// Rounding of the forces that add up to a stop, relative to them.
 const ROUNDING: f32 = 1e-5;
 
-/// Memory of the block.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VirtualCoupling {
-    position: f32,
-    velocity: f32,
-    displacement: f32,
-    law: LawState<f32>,
-    law_kind: Discriminant<Law<f32>>,
-    effects: [EffectState<f32>; MAX_EFFECTS],
-    kinds: [Option<EffectKind>; MAX_EFFECTS],
-}
-
-impl VirtualCoupling {
-    /// The block where the handle is, moving with it: no force.
-    #[inline(always)] // made where it stays: copying it costs a control step a tenth of its time
-    pub(crate) fn new(config: &Config, handle: &Handle) -> Self {
-        Self {
-            position: handle.position,
-            velocity: handle.velocity,
-            displacement: 0.0,
-            law: LawState::default(),
-            law_kind: discriminant(&config.law),
-            effects: [EffectState::default(); MAX_EFFECTS],
-            kinds: config.kinds,
-        }
-    }
-
-    pub(crate) fn fits(&self, config: &Config) -> bool {
-        self.law_kind == discriminant(&config.law) && self.kinds == config.kinds
-    }
-
-    pub(crate) fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
+impl Block {
+    /// One period by eq. 4.22-4.24.
+    pub(super) fn step_virtual_coupling(&mut self, config: &Config, handle: &Handle) -> Rendered {
         let limit = config.device.force_max;
         let stretched = config.stiffness * (handle.position - self.position)
             + config.damping * (handle.velocity - self.velocity);
@@ -103,15 +72,4 @@ fn stops(config: &Config, applied: f32, velocity: f32, friction: f32) -> bool {
         && velocity.abs() < config.dv
         && (applied - friction).abs() <= rounding;
     brought_to_rest || balanced
-}
-
-/// `force` within ±`limit`; NaN stays NaN and becomes a fault.
-fn limited(force: f32, limit: f32) -> f32 {
-    if force > limit {
-        limit
-    } else if force < -limit {
-        -limit
-    } else {
-        force
-    }
 }

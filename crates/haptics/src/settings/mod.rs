@@ -58,11 +58,19 @@ pub enum RendererKind {
     /// A virtual block of `mass` rubs, behind a spring `k_vc` and a damper `b_vc`: eq. 4.22-4.24.
     #[default]
     VirtualCoupling,
+    /// The same block, its friction a stopping force solved within the step: sticks exactly, needs no `dv`.
+    StoppingForce,
 }
 
 impl RendererKind {
+    /// A virtual block rubs, not the handle itself.
+    #[must_use]
+    pub const fn has_block(self) -> bool {
+        !matches!(self, Self::Impedance)
+    }
+
     /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Impedance, Self::VirtualCoupling];
+    pub const ALL: &'static [Self] = &[Self::Impedance, Self::VirtualCoupling, Self::StoppingForce];
 
     /// Name as typed.
     #[must_use]
@@ -70,6 +78,7 @@ impl RendererKind {
         match self {
             Self::Impedance => "impedance",
             Self::VirtualCoupling => "virtual_coupling",
+            Self::StoppingForce => "stopping_force",
         }
     }
 

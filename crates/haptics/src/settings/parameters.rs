@@ -94,7 +94,7 @@ macro_rules! table {
         /// Every parameter that is stored, in the order people expect.
         pub const PARAMETERS: &[Parameter] = &[
             Parameter { name: "law", unit: "-", what: "friction law: karnopp, dahl, coulomb or lugre" },
-            Parameter { name: "renderer", unit: "-", what: "what rubs: virtual_coupling (a block) or impedance (the handle)" },
+            Parameter { name: "renderer", unit: "-", what: "what rubs: virtual_coupling or stopping_force (a block), impedance (the handle)" },
             $(Parameter { name: $name, unit: $unit, what: $what },)*
         ];
 
@@ -178,7 +178,7 @@ impl Settings {
                 self.law = LawKind::from_id(value).ok_or(fail(words))?;
             }
             "renderer" => {
-                let words = SetWhy::NotOneOf("virtual_coupling, impedance");
+                let words = SetWhy::NotOneOf("virtual_coupling, stopping_force, impedance");
                 self.renderer = RendererKind::from_id(value).ok_or(fail(words))?;
             }
             _ => {

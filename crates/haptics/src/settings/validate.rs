@@ -94,7 +94,9 @@ impl Settings {
         let cap = Self::damping_cap(device);
         let high = match self.renderer {
             RendererKind::Impedance => cap,
-            RendererKind::VirtualCoupling => cap.min(self.room(device, self.bristle_stiffness())),
+            RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
+                cap.min(self.room(device, self.bristle_stiffness()))
+            }
         };
         let why = "N·s/m; below, it would give energy at the largest speed, above, one period overshoots";
         for (name, value, dynamic) in
@@ -162,7 +164,7 @@ impl Settings {
             sigma_1_most = at_most(Self::damping_cap(device));
             sigma_most = match self.renderer {
                 RendererKind::Impedance => at_most(Self::stiffness_cap(device, inner)),
-                RendererKind::VirtualCoupling => {
+                RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
                     // what is left when the viscous damping has its share, in N/m
                     let viscous = self.viscous_within(device);
                     at_most((self.room(device, 0.0) - viscous) * 2.0 / period)
@@ -187,7 +189,7 @@ impl Settings {
     fn block(&self, device: &Device) -> Result<(), Refused> {
         let why = "kg; a lighter block oscillates on its coupling (eq. 4.35)";
         let mut lightest = LIGHTEST;
-        if self.renderer == RendererKind::VirtualCoupling {
+        if self.renderer.has_block() {
             let period = device.period;
             let mut damping = self.b_vc + self.viscous_within(device);
             let (inner, sigma) = (self.bristle_damping(), self.bristle_stiffness());
@@ -233,7 +235,7 @@ impl Settings {
                 let most = DAMPING_SHARE * bounds::damping_max(mass, damping, period);
                 (Self::stiffness_cap(device, self.b_vc) - self.k_vc, most)
             }
-            RendererKind::VirtualCoupling => {
+            RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
                 let mass = self.mass;
                 let left = bounds::stiffness_singular(mass, self.b_vc, period) - self.k_vc;
                 (left, bounds::damping_singular(mass, self.k_vc, period))
@@ -266,25 +268,24 @@ impl Settings {
         }
         let friction = self.f_dynamic_p.max(self.f_dynamic_n);
         let period = device.period;
-        let needed = match self.renderer {
+        let (needed, why) = match self.renderer {
             RendererKind::VirtualCoupling => {
                 let (mass, k, b) = (self.mass, self.k_vc, self.b_vc);
-                bounds::limit_cycle_velocity(friction, mass, k, b, period)
+                let why = "m/s; below its limit-cycle velocity the block chatters (eq. 4.35)";
+                (bounds::limit_cycle_velocity(friction, mass, k, b, period), why)
             }
             RendererKind::Impedance => {
-                friction / bounds::friction_max(device.mass, device.damping, period, 1.0)
+                let most = bounds::friction_max(device.mass, device.damping, period, 1.0);
+                (friction / most, "m/s; below, the handle chatters about rest (eq. 4.21)")
             }
+            // has no dead band
+            RendererKind::StoppingForce => return None,
         };
         (self.dv < needed).then(|| Warning {
             parameter: "dv",
             value: self.dv,
             faithful: Accepted::AtLeast(at_least(needed)),
-            why: match self.renderer {
-                RendererKind::VirtualCoupling => {
-                    "m/s; below its limit-cycle velocity the block chatters (eq. 4.35)"
-                }
-                RendererKind::Impedance => "m/s; below, the handle chatters about rest (eq. 4.21)",
-            },
+            why,
         })
     }
 }

@@ -5,7 +5,7 @@ use crate::failure::{Failure, Outcome, Result};
 use crate::files;
 use crate::table::{Table, number};
 use haptics::bounds::Grasp;
-use haptics::{Device, RendererKind, Settings};
+use haptics::{Device, Settings};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -166,7 +166,7 @@ fn check(name: &str, given: &mut Given) -> Result<Checked> {
     given.damping = Some(wide(preset.b_vc));
     given.friction = Some(wide(preset.f_dynamic_p.max(preset.f_dynamic_n)));
     given.dv = Some(wide(preset.dv));
-    given.mass = (preset.renderer == RendererKind::VirtualCoupling).then(|| wide(preset.mass));
+    given.mass = preset.renderer.has_block().then(|| wide(preset.mass));
     Ok(Checked {
         name: name.to_owned(),
         changes: design::nearest(&preset, &device).map(|(changes, _)| changes),

@@ -1,0 +1,203 @@
+//! Friction on the virtual block as a stopping force, solved together with the coupling within the period.
+//!
+//! Block, coupling and friction over one period T, with the handle at x, v as sampled and w⁺ the block's new velocity:
+//!
+//! ```text
+//! M (w⁺ − w)/T = F_c − F,      F_c = K (x − p̄) + B (v − w̄)
+//! p⁺ = p + T w̄,                w̄ = (w + w⁺)/2,   p̄ = (p + p⁺)/2
+//! F ∈ level·Sgn(w⁺) + b w⁺     Sgn(0) = [−static_n, static_p]
+//! ```
+//!
+//! With c = KT/4 + B/2 that is one line, D w⁺ + F = S, where D = M/T + c and S = (M/T − c) w + K (x − p) + B v. F grows
+//! with w⁺, so there is exactly one solution, and it is closed: S beyond what holds slides, w⁺ = (S ∓ level)/(D + b),
+//! and everything else is rest, w⁺ = 0 and F = S. What holds is the static level for a block at rest or about to turn
+//! back, the dynamic one for a block that slides on.
+//!
+//! * A block at rest *is* at rest: p does not change, no creep, and the hand feels K (x − p) + B v and nothing else.
+//! * No dead band, and no zero-crossing limit cycle: to throw a block from +a to −a every period, S would have to be
+//!   beyond both levels with (M/T − c) a of either sign added, which needs M/T < c. That is KT² + 2BT > 4M, where the
+//!   coupling itself is unstable (eq. 4.35 singular). Inside, Δv is not used.
+//! * The coupling is integrated by its midpoint: to second order, neither fed nor damped by the step. The block's
+//!   swing during a slip is then that of the continuous model (to (ωT)²/12), and with it the frequency of stick-slip.
+//!   Backward Euler, D = M/T + KT + B, would damp it by ωT/2; it takes eight parts of a period to come as close, so
+//!   the period is not cut into parts (tests/stick_slip.rs measures both).
+//! * The same F_c acts on block and handle. In a period in which it stops, the block goes only as far as it does until
+//!   then, so friction takes F·w̄ ≥ 0 in every period but one in which the block turns.
+//!
+//! How other laws and effects compose: Karnopp and Coulomb are both levels and slopes here and render the same. A law
+//! with bristles has no set-valued part; its own step is taken over the displacement that one Newton step on the same
+//! equation predicts, which is exact while the bristles are a spring. Effects that oppose motion ([`opposes_motion`])
+//! are added to the levels, so that they stop the block, too, and never push it; all others act on it from outside.
+//!
+//! [`opposes_motion`]: friction::effects::EffectKind::opposes_motion
+
+use super::block::{Block, limited};
+use super::{Handle, Rendered};
+use crate::Config;
+use friction::{FrictionLaw, Law, Motion};
+
+/// Dry friction in one direction of motion, and its slope.
+#[derive(Clone, Copy)]
+struct Level {
+    hold: f32,
+    slide: f32,
+    viscous: f32,
+}
+
+impl Level {
+    /// Velocity in this direction and friction of a block that `drive` takes beyond what holds.
+    #[inline(always)]
+    fn slides(&self, drive: f32, inertia: f32) -> (f32, f32) {
+        let speed = (drive - self.slide) / (inertia + self.viscous);
+        let friction = self.slide + self.viscous * speed;
+        // a falling slope never turns friction into drive
+        if friction >= 0.0 && speed > 0.0 { (speed, friction) } else { (drive / inertia, 0.0) }
+    }
+}
+
+/// The end of a step.
+#[derive(Clone, Copy)]
+struct Solved {
+    velocity: f32,
+    friction: f32,
+    /// Mean velocity over the step.
+    mean: f32,
+}
+
+/// Levels against positive and negative motion.
+#[derive(Clone, Copy)]
+struct Levels {
+    p: Level,
+    n: Level,
+}
+
+impl Levels {
+    /// Of a law that holds; `None` for one with bristles.
+    #[inline(always)]
+    fn of(law: &Law<f32>) -> Option<Self> {
+        match law {
+            Law::Karnopp(law) => Some(Self {
+                p: Level { hold: law.d_p, slide: law.c_p, viscous: law.b_p },
+                n: Level { hold: law.d_n, slide: law.c_n, viscous: law.b_n },
+            }),
+            Law::Coulomb(law) => Some(Self {
+                p: Level { hold: law.static_p, slide: law.level_p, viscous: law.viscous_p },
+                n: Level { hold: law.static_n, slide: law.level_n, viscous: law.viscous_n },
+            }),
+            Law::Dahl(_) | Law::LuGre(_) => None,
+        }
+    }
+
+    /// More (or less) friction in the direction in which the block moves or is drawn.
+    fn add(&mut self, friction: f32, direction: f32) {
+        let (level, more) = if direction < 0.0 { (&mut self.n, -friction) } else { (&mut self.p, friction) };
+        for side in [&mut level.hold, &mut level.slide] {
+            let sum = *side + more;
+            *side = if sum > 0.0 { sum } else { 0.0 };
+        }
+    }
+
+    /// Solves inertia·w⁺ + F = drive for a block that had the velocity w.
+    #[inline(always)]
+    fn solve(&self, drive: f32, inertia: f32, w: f32) -> Solved {
+        // a sliding block has no static friction ahead of it, only across a reversal
+        let hold_p = if w > 0.0 { self.p.slide } else { self.p.hold };
+        let hold_n = if w < 0.0 { self.n.slide } else { self.n.hold };
+        if drive > hold_p {
+            let (velocity, friction) = self.p.slides(drive, inertia);
+            Solved { velocity, friction, mean: 0.5 * (w + velocity) }
+        } else if drive < -hold_n {
+            let (speed, friction) = self.n.slides(-drive, inertia);
+            Solved { velocity: -speed, friction: -friction, mean: 0.5 * (w - speed) }
+        } else {
+            // it stops on the way: where a constant force takes it through zero
+            let through = (if w > 0.0 { drive - self.p.slide } else { drive + self.n.slide }) / inertia;
+            let mean = if w == 0.0 { 0.0 } else { 0.5 * w * w / (w - through) };
+            // NaN ends here: the force tells of it, the block stays where it is
+            Solved { velocity: 0.0, friction: drive, mean }
+        }
+    }
+}
+
+impl Block {
+    /// One period of the equations above.
+    pub(super) fn step_stopping_force(&mut self, config: &Config, handle: &Handle) -> Rendered {
+        let (w, period, limit) = (self.velocity, config.device.period, config.device.force_max);
+        let pull = config.stiffness * (handle.position - self.position) + config.damping * handle.velocity;
+        let half = config.coupling_share;
+        let coupling_now = pull - 2.0 * half * w;
+        let motion = Motion {
+            dt: period,
+            position: self.position,
+            displacement: self.displacement,
+            velocity: w,
+            applied: limited(coupling_now, limit),
+            mass: config.mass,
+            normal: None,
+        };
+        let (mut outside, mut opposing) = (0.0, 0.0);
+        if config.has_effects {
+            for (effect, state) in config.effects.iter().zip(&mut self.effects) {
+                if let Some(effect) = effect {
+                    let force = effect.step(state, &motion);
+                    if effect.kind.opposes_motion() {
+                        opposing += force;
+                    } else {
+                        outside += force;
+                    }
+                }
+            }
+        }
+        let levels = Levels::of(&config.law).map(|mut levels| {
+            if opposing != 0.0 {
+                levels.add(opposing, if w == 0.0 { coupling_now - outside } else { w });
+            }
+            levels
+        });
+        let before = self.law;
+        // inertia·w⁺ + F = drive, either with the coupling in it or with its force at the limit
+        let mut solve = |drive: f32, inertia: f32| match &levels {
+            Some(levels) => levels.solve(drive - outside, inertia, w),
+            None => {
+                self.law = before;
+                let drive = drive - outside - opposing;
+                let held = config.law.held(&before);
+                let direction = inertia * w + drive - held;
+                let growth = config.law.growth(&before, &Motion { velocity: w, ..motion }, direction);
+                let half = 0.5 * growth.with_slip;
+                let predicted = (drive - held - half * w) / (inertia + half + growth.with_velocity);
+                let displacement = 0.5 * period * (w + predicted);
+                let moved = Motion { displacement, velocity: predicted, ..motion };
+                let friction = config.law.step(&mut self.law, &moved);
+                let velocity = (drive - friction) / inertia;
+                Solved { velocity, friction: friction + opposing, mean: 0.5 * (w + velocity) }
+            }
+        };
+        let mass = config.mass_per_period;
+        let mut end = solve((mass - half) * w + pull, mass + half);
+        let mut coupling = pull - half * (w + end.velocity);
+        let possible = limited(coupling, limit);
+        if coupling != possible {
+            // what the actuator cannot give the block does not get, either
+            coupling = possible;
+            end = solve(mass * w + possible, mass);
+        }
+        self.displacement = period * end.mean;
+        let before = self.position;
+        self.position += self.displacement;
+        // dying out, and too slow for the position to notice: at rest, or it would slide for ever
+        let faded = self.position == before && end.velocity.abs() <= w.abs() && levels.is_some();
+        self.velocity = if faded { 0.0 } else { end.velocity };
+        Rendered {
+            force: -coupling,
+            block_position: self.position,
+            block_velocity: self.velocity,
+            friction: end.friction + outside,
+            stuck: match levels {
+                Some(_) => self.velocity == 0.0,
+                // bristles hold without ever being quite at rest
+                None => self.velocity.abs() < config.dv,
+            },
+        }
+    }
+}
