@@ -99,7 +99,15 @@ pub(crate) fn cutoff(text: &str) -> Result<f64, String> {
     positive(text, "a frequency in Hz", 1e6)
 }
 
-/// A speed that may be zero.
+/// Finite and above zero.
+pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(v) if v.is_finite() && v > 0.0 => Ok(v),
+        _ => Err("a finite number above 0 is accepted".into()),
+    }
+}
+
+/// Finite, and may be zero.
 pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(v) if v.is_finite() && v >= 0.0 => Ok(v),

@@ -3,6 +3,7 @@
 use crate::design::{self, Change, Design, Given};
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
+use crate::options;
 use crate::table::{Table, number};
 use haptics::bounds::Grasp;
 use haptics::{Device, Settings};
@@ -17,37 +18,37 @@ use std::path::{Path, PathBuf};
   tribos design --preset rubber --map rubber.svg")]
 pub struct Args {
     /// Mass of the virtual block M, kg
-    #[arg(long, value_name = "KG", value_parser = above_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "KG", value_parser = options::above_zero, allow_hyphen_values = true)]
     mass: Option<f64>,
     /// Dynamic friction F, N
-    #[arg(long, value_name = "N", value_parser = from_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = options::not_negative, allow_hyphen_values = true)]
     friction: Option<f64>,
     /// Control period T, s
-    #[arg(long, value_name = "S", default_value = "0.001", value_parser = above_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", default_value = "0.001", value_parser = options::above_zero, allow_hyphen_values = true)]
     period: f64,
     /// Coupling stiffness K, N/m
-    #[arg(long, value_name = "N/m", value_parser = above_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N/m", value_parser = options::above_zero, allow_hyphen_values = true)]
     stiffness: Option<f64>,
     /// Coupling damping B, N·s/m
-    #[arg(long, value_name = "N·s/m", value_parser = from_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N·s/m", value_parser = options::not_negative, allow_hyphen_values = true)]
     damping: Option<f64>,
     /// Mass of the handle m, kg
-    #[arg(long, value_name = "KG", value_parser = above_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "KG", value_parser = options::above_zero, allow_hyphen_values = true)]
     device_mass: Option<f64>,
     /// Damping of the handle b, N·s/m
-    #[arg(long, value_name = "N·s/m", value_parser = from_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N·s/m", value_parser = options::not_negative, allow_hyphen_values = true)]
     device_damping: Option<f64>,
     /// From sample to force, s; up to one period
-    #[arg(long, value_name = "S", default_value = "0", value_parser = from_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = options::not_negative, allow_hyphen_values = true)]
     delay: f64,
     /// Speed taken for zero DV, m/s
-    #[arg(long, value_name = "m/s", value_parser = above_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "m/s", value_parser = options::above_zero, allow_hyphen_values = true)]
     dv: Option<f64>,
     /// Travel of one encoder count, m
-    #[arg(long, value_name = "M", value_parser = above_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", value_parser = options::above_zero, allow_hyphen_values = true)]
     encoder: Option<f64>,
     /// Dominant frequency of the force to be followed, Hz
-    #[arg(long, value_name = "HZ", value_parser = above_zero, allow_hyphen_values = true)]
+    #[arg(long, value_name = "HZ", value_parser = options::above_zero, allow_hyphen_values = true)]
     frequency: Option<f64>,
     /// Hand on the handle: mass kg, damping N·s/m, stiffness N/m (released when not given)
     #[arg(long, value_name = "KG,N·s/m,N/m", value_parser = grasp, allow_hyphen_values = true)]
@@ -63,24 +64,8 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
-/// A finite number above zero.
-fn above_zero(text: &str) -> std::result::Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
-        _ => Err("a finite number above 0 is accepted".into()),
-    }
-}
-
-/// A finite number from zero on.
-fn from_zero(text: &str) -> std::result::Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),
-        _ => Err("a finite number from 0 on is accepted".into()),
-    }
-}
-
 fn grasp(text: &str) -> std::result::Result<Grasp, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| from_zero(part).ok()).collect();
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| options::not_negative(part).ok()).collect();
     match numbers.as_deref() {
         Some(&[mass, damping, stiffness]) => Ok(Grasp { mass, damping, stiffness }),
         _ => Err("three numbers from 0 on are accepted: kg,N·s/m,N/m, e.g. 0.3,5,400".into()),
