@@ -86,6 +86,15 @@ impl Event {
     }
 }
 
+/// What became of parameters that were set.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Settled {
+    /// Refused for good, one line each: `set NAME VALUE: why`.
+    pub refused: Vec<String>,
+    /// Taken, but not felt as asked; one line each.
+    pub warnings: Vec<String>,
+}
+
 /// An open line.
 pub struct Session {
     name: String,
@@ -230,6 +239,35 @@ impl Session {
             }
         }
         Ok(lines)
+    }
+
+    /// Sets parameters, given as name and value. They depend on each other (a heavier block first, then a stiffer
+    /// coupling), so what is refused is tried again after the others.
+    ///
+    /// # Errors
+    /// The line is gone, or nobody answers. What the device refuses is no error here.
+    pub fn set_all(&mut self, wanted: &[(String, String)]) -> Result<Settled> {
+        let mut left: Vec<&(String, String)> = wanted.iter().collect();
+        let mut settled = Settled::default();
+        loop {
+            let before = left.len();
+            let mut again = Vec::new();
+            settled.refused.clear();
+            for line in left {
+                let set = format!("set {} {}", line.0, line.1);
+                let answer = self.exchange(&set)?;
+                if let Some((_, why)) = answer.iter().find_map(|text| reply::refusal(text)) {
+                    settled.refused.push(format!("{set}: {}", why.trim()));
+                    again.push(line);
+                } else if let Some(warning) = answer.iter().find_map(|text| text.strip_prefix("ok warn: ")) {
+                    settled.warnings.push(format!("{set}: {}", warning.trim()));
+                }
+            }
+            if again.is_empty() || again.len() == before {
+                return Ok(settled);
+            }
+            left = again;
+        }
     }
 
     fn no_answer(&self, line: &str) -> Failure {

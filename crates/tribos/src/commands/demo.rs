@@ -7,7 +7,7 @@ use crate::moves::Move;
 use crate::options::Mapping;
 use crate::progress::Progress;
 use crate::recorder::{self, Plan};
-use crate::session::{Event, Session};
+use crate::session::{Event, Session, Settled};
 use crate::table::number;
 use crate::transport::Virtual;
 use crate::{files, reading};
@@ -183,25 +183,10 @@ fn slide(seed: u64, effects: &[Effect<f64>], path: &Path) -> Result<identify::Re
 /// Sends a model to the device as a preset and renders it.
 fn push(model: &Model, seed: u64) -> Result<()> {
     let mut session = Session::over("sim", Box::new(Virtual::new(seed)?));
-    // What is refused beside the values that were there before may be accepted beside the new ones.
-    let mut left: Vec<String> =
-        model.preset_lines().iter().map(|(name, value)| format!("set {name} {value}")).collect();
-    let sent = left.len();
-    let mut refused = Vec::new();
-    for _ in 0..2 {
-        refused.clear();
-        left.retain(|line| match session.command(line) {
-            Ok(_) => false,
-            Err(why) => {
-                refused.push(why.message().to_owned());
-                true
-            }
-        });
-    }
-    println!("  {} of {sent} parameters accepted", sent - left.len());
-    for why in &refused {
-        println!("  {why}");
-    }
+    let wanted = model.preset_lines();
+    let Settled { refused, warnings } = session.set_all(&wanted)?;
+    println!("  {} of {} parameters accepted", wanted.len() - refused.len(), wanted.len());
+    refused.iter().chain(&warnings).for_each(|line| println!("  {line}"));
     let line = "preset save found";
     said(line, &session.command(line)?);
     said("render on", &session.command("render on")?);

@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
-use crate::session::Session;
+use crate::session::{Session, Settled};
 use clap::Subcommand;
 use identify::Model;
 use std::path::{Path, PathBuf};
@@ -55,45 +55,24 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     }
 }
 
-/// Name and value of every line of a listing: `  k_vc 8000 N/m`.
-fn values(listing: &[String]) -> Vec<(String, String)> {
-    listing
-        .iter()
-        .filter(|line| line.starts_with("  "))
-        .filter_map(|line| {
-            let mut words = line.split_whitespace();
-            Some((words.next()?.to_owned(), words.next()?.to_owned()))
-        })
-        .collect()
+/// A line of a listing: `  k_vc 8000 N/m`.
+struct Entry {
+    name: String,
+    value: String,
+    unit: Option<String>,
 }
 
-/// Sets what is not as wanted. Parameters depend on each other (a heavier block first, then a stiffer coupling), so
-/// what is refused is tried again after the others; gives what is refused for good.
-fn settle(session: &mut Session, wanted: &[(String, String)]) -> Result<Vec<String>> {
-    let mut left: Vec<&(String, String)> = wanted.iter().collect();
-    loop {
-        let before = left.len();
-        let mut refusals = Vec::new();
-        let mut again = Vec::new();
-        for line in left {
-            let answer = session.exchange(&format!("set {} {}", line.0, line.1))?;
-            match answer.iter().find_map(|text| link::reply::refusal(text)) {
-                Some((_, why)) => {
-                    refusals.push(format!("set {} {}: {}", line.0, line.1, why.trim()));
-                    again.push(line);
-                }
-                None => {
-                    if let Some(warning) = answer.iter().find(|text| text.starts_with("ok warn")) {
-                        println!("  {warning}");
-                    }
-                }
-            }
-        }
-        if again.is_empty() || again.len() == before {
-            return Ok(refusals);
-        }
-        left = again;
-    }
+/// Every parameter of a listing.
+fn entries(listing: &[String]) -> impl Iterator<Item = Entry> {
+    listing.iter().filter(|line| line.starts_with("  ")).filter_map(|line| {
+        let mut words = line.split_whitespace().map(str::to_owned);
+        Some(Entry { name: words.next()?, value: words.next()?, unit: words.next() })
+    })
+}
+
+/// Name and value of every parameter of a listing.
+fn values(listing: &[String]) -> Vec<(String, String)> {
+    entries(listing).map(|entry| (entry.name, entry.value)).collect()
 }
 
 /// A name as the device takes it, from a file's.
@@ -115,7 +94,8 @@ fn push(args: &Push) -> Result<Outcome> {
     for id in gone.iter().filter(|id| !kept.contains(id)) {
         session.command(&format!("set {id} off"))?;
     }
-    let refused = settle(&mut session, &wanted)?;
+    let Settled { refused, warnings } = session.set_all(&wanted)?;
+    warnings.iter().for_each(|warning| println!("  warning: {warning}"));
     let saved =
         if refused.is_empty() { session.command(&format!("preset save {name}")) } else { Ok(String::new()) };
     if !refused.is_empty() || saved.is_err() {
@@ -123,7 +103,7 @@ fn push(args: &Push) -> Result<Outcome> {
         for id in &kept {
             session.command(&format!("set {id} off"))?;
         }
-        settle(&mut session, &before)?;
+        session.set_all(&before)?;
     }
     if let Some(first) = refused.first() {
         return Err(Failure::in_file(&args.file, format!("the device refuses it: {first}"))
@@ -151,11 +131,9 @@ fn pull(args: &Pull) -> Result<Outcome> {
         "# preset {what}, from {}; every line is `set NAME VALUE` on the device\n[preset]\n",
         args.port
     );
-    for line in listing.iter().filter(|line| line.starts_with("  ")) {
-        let mut words = line.split_whitespace();
-        let (Some(name), Some(value)) = (words.next(), words.next()) else { continue };
-        let unit = words.next().map_or_else(String::new, |unit| format!(" # {unit}"));
-        let value = if value.parse::<f64>().is_ok() { value.to_owned() } else { format!("\"{value}\"") };
+    for Entry { name, value, unit } in entries(&listing) {
+        let unit = unit.map_or_else(String::new, |unit| format!(" # {unit}"));
+        let value = if value.parse::<f64>().is_ok() { value } else { format!("\"{value}\"") };
         text.push_str(&format!("{name} = {value}{unit}\n"));
     }
     // what is written is what is read again
@@ -184,18 +162,18 @@ mod tests {
         ]
         .map(|(name, value)| (name.to_owned(), value.to_owned()))
         .to_vec();
-        assert_eq!(settle(&mut session, &wanted).expect("a line"), Vec::<String>::new());
+        assert_eq!(session.set_all(&wanted).expect("a line"), Settled::default());
         let after = values(&session.exchange("get").expect("a listing"));
         assert!(after.contains(&("k_vc".into(), "20000".into())), "{after:?}");
         session.command("set stribeck off").expect("taken");
-        assert_eq!(settle(&mut session, &before).expect("a line"), Vec::<String>::new());
+        assert_eq!(session.set_all(&before).expect("a line").refused, Vec::<String>::new());
         assert_eq!(values(&session.exchange("get").expect("a listing")), before);
     }
 
     #[test]
     fn what_is_refused_for_good_is_told() {
         let mut session = Session::open("sim", 1).expect("a virtual device");
-        let refused = settle(&mut session, &[("k_vc".into(), "1e9".into())]).expect("a line");
+        let Settled { refused, .. } = session.set_all(&[("k_vc".into(), "1e9".into())]).expect("a line");
         assert_eq!(refused.len(), 1);
         assert!(refused[0].contains("k_vc"), "{refused:?}");
     }
