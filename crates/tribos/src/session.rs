@@ -91,8 +91,8 @@ impl Event {
 pub struct Settled {
     /// Refused for good, one line each: `set NAME VALUE: why`.
     pub refused: Vec<String>,
-    /// Taken, but not felt as asked; one line each.
-    pub warnings: Vec<String>,
+    /// What the device says of all of them together: taken, but not felt as asked.
+    pub warning: Option<String>,
 }
 
 /// An open line.
@@ -259,8 +259,9 @@ impl Session {
                 if let Some((_, why)) = answer.iter().find_map(|text| reply::refusal(text)) {
                     settled.refused.push(format!("{set}: {}", why.trim()));
                     again.push(line);
-                } else if let Some(warning) = answer.iter().find_map(|text| text.strip_prefix("ok warn: ")) {
-                    settled.warnings.push(format!("{set}: {}", warning.trim()));
+                } else {
+                    let warning = answer.iter().find_map(|text| text.strip_prefix("ok warn: "));
+                    settled.warning = warning.map(|warning| warning.trim().to_owned());
                 }
             }
             if again.is_empty() || again.len() == before {

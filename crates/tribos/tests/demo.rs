@@ -47,6 +47,10 @@ fn the_demo_names_what_it_concealed_and_leaves_every_file() {
         text.lines().filter(|l| !l.starts_with('#')).count()
     };
     assert_eq!(lines("pred.csv"), lines("recording.csv"), "a prediction at every sample");
+    // and is a preset: the device takes all of it, what was found included
+    let out = tribos(&story, &["preset", "push", "sim", "model.toml", "--name", "found"]);
+    assert_eq!(out.status.code(), Some(0));
+    assert!(std::fs::read_to_string(story.join("model.toml")).unwrap().contains("cogging."));
 }
 
 #[test]

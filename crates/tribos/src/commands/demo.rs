@@ -184,9 +184,9 @@ fn slide(seed: u64, effects: &[Effect<f64>], path: &Path) -> Result<identify::Re
 fn push(model: &Model, seed: u64) -> Result<()> {
     let mut session = Session::over("sim", Box::new(Virtual::new(seed)?));
     let wanted = model.preset_lines();
-    let Settled { refused, warnings } = session.set_all(&wanted)?;
+    let Settled { refused, warning } = session.set_all(&wanted)?;
     println!("  {} of {} parameters accepted", wanted.len() - refused.len(), wanted.len());
-    refused.iter().chain(&warnings).for_each(|line| println!("  {line}"));
+    refused.iter().chain(&warning).for_each(|line| println!("  {line}"));
     let line = "preset save found";
     said(line, &session.command(line)?);
     said("render on", &session.command("render on")?);

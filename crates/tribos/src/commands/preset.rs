@@ -1,8 +1,11 @@
-//! `tribos preset push|pull PORT FILE`: presets between a device and files that people read, edit and share.
+//! `tribos preset list|show|push|pull`: presets between the library, a device, and files that people read, edit and
+//! share.
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
+use crate::library::{self, PRESETS};
 use crate::session::{Session, Settled};
+use crate::table::Table;
 use clap::Subcommand;
 use identify::Model;
 use std::path::{Path, PathBuf};
@@ -16,6 +19,10 @@ pub struct Args {
 
 #[derive(Debug, Subcommand)]
 enum Action {
+    /// The presets that come with tribos
+    List,
+    /// Print one of them as a file: `tribos preset show rubber-1 > mine.toml`
+    Show(Show),
     /// Give a device the preset of a file, and save it there under the file's name
     Push(Push),
     /// Write a device's preset to a file
@@ -23,12 +30,20 @@ enum Action {
 }
 
 #[derive(Debug, clap::Args)]
+struct Show {
+    /// Name, as `preset list` has it
+    #[arg(value_name = "NAME")]
+    name: String,
+}
+
+#[derive(Debug, clap::Args)]
 struct Push {
     /// Serial port of the device, or `sim` for a virtual one
     #[arg(value_name = "PORT|sim")]
     port: String,
-    /// Preset: a file written by hand, by `preset pull`, `identify --out` or `diagnose --out`
-    #[arg(value_name = "FILE.toml")]
+    /// Preset: a name from `preset list`, or a file written by hand, by `preset pull`, `identify --out` or
+    /// `diagnose --out`
+    #[arg(value_name = "FILE.toml|NAME")]
     file: PathBuf,
     /// Name on the device; the file's when not given
     #[arg(long)]
@@ -50,6 +65,8 @@ struct Pull {
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     match &args.action {
+        Action::List => list(),
+        Action::Show(args) => show(args),
         Action::Push(args) => push(args),
         Action::Pull(args) => pull(args),
     }
@@ -80,8 +97,26 @@ fn name_of(file: &Path) -> String {
     file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
+fn list() -> Result<Outcome> {
+    let mut table = Table::new(&["preset", "what it is"]);
+    for preset in PRESETS {
+        table.row([preset.name.to_owned(), preset.about()]);
+    }
+    files::write(Path::new("-"), table.render().as_bytes())?;
+    Ok(Outcome::Done)
+}
+
+fn show(args: &Show) -> Result<Outcome> {
+    let preset = library::find(&args.name).ok_or_else(|| {
+        Failure::new(format!("no preset `{}` in the library", args.name))
+            .help("`tribos preset list` has the names")
+    })?;
+    files::write(Path::new("-"), preset.text.as_bytes())?;
+    Ok(Outcome::Done)
+}
+
 fn push(args: &Push) -> Result<Outcome> {
-    let model = Model::read(&args.file).map_err(|e| Failure::in_file(&args.file, e))?;
+    let model = library::read(&args.file)?;
     let name = args.name.clone().unwrap_or_else(|| name_of(&args.file));
     let mut session = Session::open(&args.port, 1)?;
     let before = values(&session.exchange("get")?);
@@ -94,8 +129,8 @@ fn push(args: &Push) -> Result<Outcome> {
     for id in gone.iter().filter(|id| !kept.contains(id)) {
         session.command(&format!("set {id} off"))?;
     }
-    let Settled { refused, warnings } = session.set_all(&wanted)?;
-    warnings.iter().for_each(|warning| println!("  warning: {warning}"));
+    let Settled { refused, warning } = session.set_all(&wanted)?;
+    warning.iter().for_each(|warning| println!("  warning: {warning}"));
     let saved =
         if refused.is_empty() { session.command(&format!("preset save {name}")) } else { Ok(String::new()) };
     if !refused.is_empty() || saved.is_err() {
