@@ -1,8 +1,8 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    connect, convert, demo, design, diagnose, figures, identify, investigate, predict, preset, prove, record,
-    simulate,
+    compare, connect, convert, demo, design, diagnose, figures, identify, investigate, predict, preset,
+    prove, record, simulate,
 };
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
@@ -29,11 +29,13 @@ enum Command {
     Diagnose(diagnose::Args),
     /// Diagnose, make the move that separates what is left, repeat
     Investigate(investigate::Args),
+    /// Compare a rendered block with a real one, in just noticeable differences
+    Compare(compare::Args),
     /// Predict the force of a recording with a model
     Predict(predict::Args),
     /// Move a simulated rig with a model's friction and record it
     Simulate(simulate::Args),
-    /// Presets between a device and files
+    /// Presets: the library, a device's, files
     Preset(preset::Args),
     /// Stability bounds and limit cycles of a rendered block, before anything runs
     Design(design::Args),
@@ -57,6 +59,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Identify(args) => identify::run(args),
         Command::Diagnose(args) => diagnose::run(args),
         Command::Investigate(args) => investigate::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Predict(args) => predict::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Preset(args) => preset::run(args),

@@ -3,9 +3,11 @@
 //!
 //! ```text
 //! commands/   one file a subcommand
+//! library     the presets that come with the program
 //! session     a conversation with a device   ── wire (bytes to items) ── transport (port, or virtual device)
 //! recorder    a device's stream into a CSV that survives a crash
 //! reading     recordings from files
+//! compare     two recordings, one distance in just noticeable differences
 //! investigate record, diagnose, choose the next move, repeat
 //! simulated   a model moved by the very control step of the device
 //! console     the full-screen console of `connect`
@@ -18,6 +20,7 @@
 mod cli;
 mod columns;
 mod commands;
+mod compare;
 mod conceal;
 mod console;
 mod design;
@@ -25,6 +28,7 @@ mod failure;
 mod figures;
 mod files;
 mod investigate;
+mod library;
 mod mat_file;
 mod mcap_file;
 mod moves;

@@ -7,8 +7,7 @@ mod plot;
 mod rendered;
 
 use crate::failure::Result;
-use plot::Panel;
-pub(crate) use plot::svg;
+pub(crate) use plot::{BLUE, GREEN, GREY, Line, ORANGE, Panel, svg};
 
 /// A number the thesis states, and ours.
 #[derive(Debug, Clone)]

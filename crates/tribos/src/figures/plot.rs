@@ -10,10 +10,10 @@ const PANEL: (u32, u32) = (430, 360);
 const ROW: usize = 3;
 
 /// Colours that stay apart with any colour vision (Okabe and Ito).
-pub(super) const BLUE: RGBColor = RGBColor(0, 114, 178);
-pub(super) const ORANGE: RGBColor = RGBColor(213, 94, 0);
-pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
-pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const ORANGE: RGBColor = RGBColor(213, 94, 0);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(crate) const GREY: RGBColor = RGBColor(120, 120, 120);
 
 /// What is drawn of one thing.
 #[derive(Debug, Clone)]
@@ -26,11 +26,11 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    pub(super) fn new(name: impl Into<String>, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
+    pub(crate) fn new(name: impl Into<String>, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.into(), colour, dots: false, points }
     }
 
-    pub(super) fn dots(self) -> Self {
+    pub(crate) fn dots(self) -> Self {
         Self { dots: true, ..self }
     }
 }
@@ -138,19 +138,25 @@ fn one(panel: &Panel, area: &Area<'_>) -> std::result::Result<(), Box<dyn std::e
     }
     for line in &panel.lines {
         let colour = line.colour;
+        // what has no name is not in the legend
+        let named = !line.name.is_empty();
         if line.dots {
             let inside = line.points.iter().filter(|p| y.contains(&p.1));
             let dots = inside.map(|p| Circle::new(*p, 1, colour.mix(0.55).filled()));
-            chart
-                .draw_series(dots)?
-                .label(line.name.as_str())
-                .legend(move |(x, y)| Circle::new((x + 8, y), 3, colour.filled()));
+            let drawn = chart.draw_series(dots)?;
+            if named {
+                drawn
+                    .label(line.name.as_str())
+                    .legend(move |(x, y)| Circle::new((x + 8, y), 3, colour.filled()));
+            }
         } else {
             let clipped = line.points.iter().map(|p| (p.0, p.1.clamp(y.start, y.end)));
-            chart
-                .draw_series(LineSeries::new(clipped, colour.stroke_width(1)))?
-                .label(line.name.as_str())
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(2)));
+            let drawn = chart.draw_series(LineSeries::new(clipped, colour.stroke_width(1)))?;
+            if named {
+                drawn
+                    .label(line.name.as_str())
+                    .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(2)));
+            }
         }
     }
     if panel.lines.iter().any(|l| !l.name.is_empty()) {

@@ -1,0 +1,119 @@
+//! A real block, the same rendered from its identification, and the same again with a tenth too much and too little.
+
+use super::{Comparison, MARGIN, Measured, compare, overlay};
+use crate::failure::{Failure, Result};
+use crate::files;
+use crate::library;
+use crate::moves::Move;
+use crate::options::Mapping;
+use crate::progress::Progress;
+use crate::reading;
+use crate::recorder::{self, Plan};
+use crate::session::Session;
+use crate::transport::Virtual;
+use friction::Law;
+use haptics::Wave;
+use identify::{KarnoppOptions, Model, Preprocess, Recording, identify_karnopp, prepare};
+use plant::materials::{BRASS, Material, RUBBER, TEFLON};
+use std::path::Path;
+use tribos_firmware::board::simulated::Holder;
+
+/// How the device drives the real block to identify it: five harmonics, so that velocity and acceleration come apart.
+const IDENTIFIED: Move = Move { wave: Wave::Multisine, amplitude: 0.01, frequency: 0.8, seconds: Some(20.0) };
+/// How it drives the block to be compared with, slowly, so that there is time to slide: not seen by the identification.
+const DRIVEN: Move = Move { wave: Wave::Sine, amplitude: 0.012, frequency: 0.7, seconds: Some(20.0) };
+/// How the hand moves the handle: m, Hz.
+const BY_HAND: (f64, f64) = (0.012, 0.6);
+/// Length of a recording by hand, s.
+const HELD: f64 = 20.0;
+/// What is rendered: times the friction that was identified.
+const TIMES: [f64; 3] = [1.0, 1.1, 0.9];
+
+/// One rendering against its real block.
+pub(crate) struct Rendered {
+    /// Brass, Teflon or rubber.
+    pub material: &'static str,
+    /// Times the friction that was identified.
+    pub times: f64,
+    /// What came out.
+    pub comparison: Comparison,
+}
+
+/// All of them; recordings, models and overlays go to `out`.
+///
+/// # Errors
+/// A file that cannot be written, or a device that refuses what was identified.
+pub(crate) fn demo(out: &Path, seed: u64) -> Result<Vec<Rendered>> {
+    std::fs::create_dir_all(out)
+        .map_err(|e| Failure::in_file(out, format!("cannot be made a folder: {}", files::reason(&e))))?;
+    let progress = Progress::new("rendering");
+    let mut all = Vec::new();
+    for (k, material) in [BRASS, TEFLON, RUBBER].iter().enumerate() {
+        let name = ["brass", "teflon", "rubber"][k];
+        progress.set(k as f32 / 3.0, name);
+        let driven =
+            slide(material, IDENTIFIED, &out.join(format!("{name}-identified.csv")), seed + k as u64)?;
+        let model = identified(&driven, name)?;
+        let real = slide(material, DRIVEN, &out.join(format!("{name}-real.csv")), seed + 50 + k as u64)?;
+        files::write(&out.join(format!("{name}.toml")), model.to_toml().as_bytes())?;
+        let bare = library::find("baseline").ok_or_else(|| Failure::new("no preset `baseline`"))?.model()?;
+        // another seed each time: no two recordings share their noise
+        let bare = feel(&bare, &out.join(format!("{name}-bare.csv")), seed + 100 + k as u64)?;
+        let (real, bare) = (Measured::new(&real)?, Measured::new(&bare)?);
+        for (j, times) in TIMES.into_iter().enumerate() {
+            let what = format!("{name}-x{times}");
+            let felt = feel(
+                &scaled(&model, times),
+                &out.join(format!("{what}.csv")),
+                seed + 200 + (10 * k + j) as u64,
+            )?;
+            let felt = Measured::new(&felt)?;
+            let comparison = compare(&real, &felt, Some(&bare), MARGIN)?;
+            files::write(&out.join(format!("{what}.svg")), overlay(&comparison, &real, &felt)?.as_bytes())?;
+            all.push(Rendered { material: name, times, comparison });
+        }
+    }
+    Ok(all)
+}
+
+/// A real block on the rig, driven by the device and recorded over its line.
+fn slide(material: &Material, motion: Move, path: &Path, seed: u64) -> Result<Recording> {
+    let mut device = Virtual::new(seed)?;
+    device.device().set_block(material.mass, material.law, &[]).map_err(Failure::new)?;
+    let mut session = Session::over("sim", Box::new(device));
+    let plan = Plan { motion: Some(motion), seconds: motion.seconds.unwrap_or(20.0), notes: Vec::new() };
+    recorder::record(&mut session, &plan, path)?;
+    reading::read(path, &Mapping::default())
+}
+
+fn identified(recording: &Recording, name: &str) -> Result<Model> {
+    let signals = prepare(recording, &Preprocess::default()).map_err(Failure::new)?;
+    let found = identify_karnopp(&signals, &KarnoppOptions::default()).map_err(Failure::new)?;
+    Ok(Model { name: name.into(), ..Model::from(&found) })
+}
+
+/// The same block with so many times the friction.
+fn scaled(model: &Model, times: f64) -> Model {
+    let mut model = model.clone();
+    if let Law::Karnopp(law) = &mut model.law {
+        for level in [&mut law.c_p, &mut law.c_n, &mut law.b_p, &mut law.b_n, &mut law.d_p, &mut law.d_n] {
+            *level *= times;
+        }
+    }
+    model
+}
+
+/// A hand moves the handle to and fro while the device renders the model; recorded over its line.
+fn feel(model: &Model, path: &Path, seed: u64) -> Result<Recording> {
+    let mut device = Virtual::new(seed)?;
+    device.device().hold(Holder::to_and_fro(BY_HAND.0, BY_HAND.1));
+    let mut session = Session::over("sim", Box::new(device));
+    let settled = session.set_all(&model.preset_lines())?;
+    if let Some(first) = settled.refused.first() {
+        return Err(Failure::new(format!("the device refuses what was identified: {first}")));
+    }
+    session.command("render on")?;
+    let plan = Plan { motion: None, seconds: HELD, notes: vec![("rendered".into(), model.name.clone())] };
+    recorder::record(&mut session, &plan, path)?;
+    reading::read(path, &Mapping::default())
+}
