@@ -22,6 +22,8 @@ use std::collections::VecDeque;
 const BYTES_PER_PERIOD: usize = 92;
 /// Bytes nobody reads; with more the line stands still, as on a device whose cable is not plugged in.
 const UNREAD: usize = 1 << 20;
+/// How fast a pointed hand follows, rad/s: the steps of a mouse, some 16 ms apart, are smoothed, and a person feels no lag.
+const POINTING: f64 = 100.0;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
 
@@ -66,6 +68,16 @@ impl Holder {
             ..HandImpedance::relaxed(Target::Sine { centre: 0.0, amplitude, frequency })
         })
     }
+
+    /// A hand that goes to `to` m from now, `t` s, on: from where it was going, or from the handle at `position` m.
+    fn pointed(&self, to: f64, t: f64, position: f64) -> Self {
+        let (from, velocity) = match self {
+            Self::Hand(hand) => hand.target.at(t),
+            Self::Nobody | Self::Force(_) => (position, 0.0),
+        };
+        let target = Target::Pursuit { from, velocity, to, at: t, rate: POINTING };
+        Self::Hand(HandImpedance { stiffness: 1_500.0, damping: 15.0, ..HandImpedance::relaxed(target) })
+    }
 }
 
 impl Hand for Holder {
@@ -107,7 +119,7 @@ const NOTHING: Slide = Layered::new(Law::Coulomb(Coulomb {
 }));
 
 const HELP: &[HelpLine] = &[
-    HelpLine { usage: "sim hand off|hold|push NEWTON|sine AMP FREQ", what: "simulated hand: N, m, Hz" },
+    HelpLine { usage: "sim hand off|hold|at METRE|push NEWTON|sine AMP FREQ", what: "simulated hand: m, N, Hz" },
     HelpLine { usage: "sim block none|brass|teflon|rubber", what: "a real block on the handle (table 3-3)" },
     HelpLine {
         usage: "sim wire encoder|load|accel|amplifier right|swapped|dead",
@@ -180,6 +192,12 @@ impl SimulatedBoard {
                 self.hand = Holder::Hand(HandImpedance::relaxed(Target::Hold { position }));
                 let _ = write!(out, "hand holds at {position:.4} m");
             }
+            ["hand", "at", text] => {
+                let to = number(out, "METRE", text, 0.016)?;
+                let t = self.rig.truth();
+                self.hand = self.hand.pointed(to, t.time, t.position);
+                let _ = write!(out, "hand goes to {to} m");
+            }
             ["hand", "push", text] => {
                 let force = number(out, "NEWTON", text, 20.0)?;
                 self.hand = Holder::Force(HandForce::Steps(vec![(0.0, force)]));
@@ -191,7 +209,7 @@ impl SimulatedBoard {
                 self.hand = Holder::to_and_fro(amplitude, frequency);
                 let _ = write!(out, "hand moves {amplitude} m at {frequency} Hz");
             }
-            ["hand", word, ..] => return Err(wrong(out, word, "off, hold, push NEWTON, sine AMP FREQ")),
+            ["hand", word, ..] => return Err(wrong(out, word, "off, hold, at METRE, push NEWTON, sine AMP FREQ")),
             ["block", "none"] => {
                 let _ = self.rig.set_block(0.0, NOTHING);
                 let _ = write!(out, "block off: the handle is free");

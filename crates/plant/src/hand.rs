@@ -123,6 +123,20 @@ pub enum Target {
         /// s.
         duration: f64,
     },
+    /// Follows what somebody points at: from where it is to `to` m as a critically damped second-order lag, so that
+    /// neither its position nor its velocity jumps when `to` does.
+    Pursuit {
+        /// m.
+        from: f64,
+        /// m/s.
+        velocity: f64,
+        /// m.
+        to: f64,
+        /// s.
+        at: f64,
+        /// Natural frequency of the lag, rad/s.
+        rate: f64,
+    },
 }
 
 impl Target {
@@ -145,6 +159,12 @@ impl Target {
                 let path = s * s * s * (10.0 + s * (6.0 * s - 15.0));
                 let slope = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration;
                 (from + (to - from) * path, (to - from) * slope)
+            }
+            Self::Pursuit { from, velocity, to, at, rate } => {
+                let s = Scalar::max(t - at, 0.0);
+                let (away, decay) = (from - to, Scalar::exp(-rate * s));
+                let slope = velocity + rate * away;
+                (to + (away + slope * s) * decay, (velocity - rate * slope * s) * decay)
             }
         }
     }

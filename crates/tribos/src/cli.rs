@@ -1,7 +1,7 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    compare, connect, convert, demo, design, diagnose, figures, identify, investigate, predict, preset,
+    compare, connect, convert, demo, design, diagnose, figures, identify, investigate, lab, predict, preset,
     prove, record, simulate,
 };
 use crate::failure::{Outcome, Result};
@@ -21,6 +21,8 @@ enum Command {
     Demo(demo::Args),
     /// A console on a device, with a live plot
     Connect(connect::Args),
+    /// A page in the browser: live scope, presets, experiments
+    Lab(lab::Args),
     /// Move a device and record it
     Record(record::Args),
     /// Identify mass and friction from recordings
@@ -55,6 +57,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
     match &cli.command {
         Command::Demo(args) => demo::run(args),
         Command::Connect(args) => connect::run(args),
+        Command::Lab(args) => lab::run(args),
         Command::Record(args) => record::run(args),
         Command::Identify(args) => identify::run(args),
         Command::Diagnose(args) => diagnose::run(args),

@@ -28,6 +28,7 @@ mod failure;
 mod figures;
 mod files;
 mod investigate;
+mod lab_tools;
 mod library;
 mod mat_file;
 mod mcap_file;

@@ -158,7 +158,7 @@ fn take(session: &mut Session, plan: &Plan, path: &Path, warm_up: f64) -> Result
                         return finish(file, path, last, lost, false);
                     }
                     if file.is_none() {
-                        file = Some(RecordingFile::create(path, header, plan)?);
+                        file = Some(RecordingFile::create(path, &header.notes(), plan)?);
                     }
                     let Some(open) = file.as_mut() else { continue };
                     // A sample missing on the device's side is lost, too, and shows as a gap in time.
@@ -196,7 +196,7 @@ fn finish(
 }
 
 /// A recording that grows.
-struct RecordingFile {
+pub(crate) struct RecordingFile {
     path: PathBuf,
     out: BufWriter<File>,
     samples: u64,
@@ -204,14 +204,16 @@ struct RecordingFile {
 }
 
 impl RecordingFile {
-    fn create(path: &Path, header: &Header, plan: &Plan) -> Result<Self> {
+    /// Begins one; `heads` are the lines the header of the stream gives.
+    pub(crate) fn create(path: &Path, heads: &[(String, String)], plan: &Plan) -> Result<Self> {
         let file = File::create(files::part(path)).map_err(|e| unwritable(path, &e))?;
         let mut out = BufWriter::new(file);
-        write_head(&mut out, &header.notes(), plan).map_err(|e| unwritable(path, &e))?;
+        write_head(&mut out, heads, plan).map_err(|e| unwritable(path, &e))?;
         Ok(Self { path: path.to_owned(), out, samples: 0, flushed: Instant::now() })
     }
 
-    fn write(&mut self, point: &Point) -> Result<()> {
+    /// Appends a sample.
+    pub(crate) fn write(&mut self, point: &Point) -> Result<()> {
         self.samples += 1;
         let flush = self.flushed.elapsed() > Duration::from_millis(100);
         let written =
@@ -223,7 +225,7 @@ impl RecordingFile {
     }
 
     /// Completes the file under its name; how many samples it has.
-    fn finish(mut self, lost: u64) -> Result<u64> {
+    pub(crate) fn finish(mut self, lost: u64) -> Result<u64> {
         let part = files::part(&self.path);
         writeln!(self.out, "# lost_samples: {lost}")
             .and_then(|()| self.out.flush())
@@ -231,6 +233,12 @@ impl RecordingFile {
             .and_then(|()| std::fs::rename(&part, &self.path))
             .map_err(|e| unwritable(&self.path, &e))?;
         Ok(self.samples)
+    }
+
+    /// Nothing came of it.
+    pub(crate) fn discard(self) {
+        // a leftover under its unfinished name is no recording
+        let _ = std::fs::remove_file(files::part(&self.path));
     }
 }
 

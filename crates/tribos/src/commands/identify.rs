@@ -100,6 +100,29 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     })
 }
 
+/// Identifies by the defaults: the result as people read it, the report, and the model.
+///
+/// # Errors
+/// What is wrong with the recordings.
+pub(crate) fn by_defaults(files: &[std::path::PathBuf]) -> Result<(String, String, Model)> {
+    let args = Args {
+        recordings: Recordings { files: files.to_vec(), mapping: crate::options::Mapping::default() },
+        law: LawChoice::default(),
+        preprocess: PreprocessChoice::default(),
+        cutoff: None,
+        delta_v: None,
+        least_squares: false,
+        expect: None,
+        results: Results::default(),
+    };
+    let recordings = reading::read_all(files, &args.recordings.mapping)?;
+    let (recording, faults) = reading::joined(&recordings)?;
+    let fit = fit(&args, &recording, &Preprocess::Tribos { cutoff_hz: None }, &faults)?;
+    let model = Model { name: model_name(&recordings), ..Model::from(&fit.found) };
+    let html = identification_html(&report(&recording.name, &fit, &model));
+    Ok((describe(&recording.name, &fit.found, None), html, model))
+}
+
 /// A parameter the law has.
 fn check_parameter(law: LawChoice, name: &str) -> Result<()> {
     let known: &[&str] = match law {

@@ -9,6 +9,7 @@ pub mod diagnose;
 pub mod figures;
 pub mod identify;
 pub mod investigate;
+pub mod lab;
 pub mod predict;
 pub mod preset;
 pub mod prove;

@@ -1,0 +1,83 @@
+//! What the device's lines mean.
+
+use super::Bench;
+use crate::orders::{About, Answer, Heard};
+use crate::say::Tone;
+use link::reply;
+
+impl Bench {
+    pub(super) fn line(&mut self, line: String) {
+        match self.orders.hear(line) {
+            Heard::Nothing => {}
+            Heard::News(news) => {
+                // the state says faults by itself, in more room
+                if !news.starts_with("fault") {
+                    self.say(Tone::News, "device", news);
+                }
+            }
+            Heard::Answer(answer) => self.answered(answer),
+        }
+    }
+
+    fn answered(&mut self, answer: Answer) {
+        let refused = reply::refusal(&answer.first).map(|(_, why)| why.trim().to_owned());
+        let text = answer.first.trim_start_matches("ok").trim().to_owned();
+        match answer.order.about {
+            About::Version => {
+                self.shared.known(|known| {
+                    known.version = text;
+                    known.connected = true;
+                    known.absent.clear();
+                });
+                self.dirty = true;
+            }
+            About::Get => {
+                self.shared.known(|known| known.listing(&answer.rest));
+                self.dirty = true;
+            }
+            About::Presets => {
+                self.shared.known(|known| known.preset_list(&answer.first));
+                self.dirty = true;
+            }
+            About::Stream | About::Hand => {
+                if let Some(why) = refused {
+                    self.say(Tone::Error, "device", why);
+                }
+            }
+            About::Quiet => {
+                if let Some(why) = refused {
+                    self.stop();
+                    self.say(Tone::Refused, "experiment", why);
+                }
+            }
+            About::Set => {
+                if let Some(why) = refused {
+                    self.say(Tone::Refused, "set", why);
+                }
+            }
+            About::Page(what) => self.told_page(what, refused, &text),
+        }
+    }
+
+    fn told_page(&mut self, what: &'static str, refused: Option<String>, text: &str) {
+        self.dirty = true;
+        if let Some(why) = refused {
+            if what == "arm" {
+                self.shared.known(|known| known.armed = false);
+            }
+            if what == "move"
+                && let Some(recording) = self.recording.take()
+            {
+                recording.abandon();
+                self.shared.known(|known| known.recording = None);
+            }
+            return self.say(Tone::Refused, what, why);
+        }
+        match what {
+            "stop" => {}
+            _ if text.starts_with("warn") => self.say(Tone::Warning, what, text),
+            "arm" | "disarm" => {}
+            _ => self.say(Tone::Done, what, text),
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! One page's socket: every batch of samples down, requests up.
+
+use super::App;
+use crate::bench::ToBench;
+use crate::message::{Ask, LONGEST};
+use crate::say::{Say, Tone};
+use crate::verdict;
+use axum::extract::State;
+use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::response::Response;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::Sender;
+use tokio::sync::broadcast::error::RecvError;
+
+pub(super) async fn open(State(app): State<App>, upgrade: WebSocketUpgrade) -> Response {
+    upgrade
+        .max_message_size(LONGEST)
+        .max_frame_size(LONGEST)
+        .on_upgrade(move |socket| async move { page(&app, socket).await })
+}
+
+async fn page(app: &App, mut socket: WebSocket) {
+    let page = app.pages.fetch_add(1, Ordering::Relaxed);
+    let bench = app.bench.clone();
+    let mut news = app.shared.pages.subscribe();
+    // it answers with everything that is known
+    let mut open = bench.send(ToBench::Joined(page)).is_ok();
+    while open {
+        tokio::select! {
+            news = news.recv() => {
+                let message = match news {
+                    Ok(message) => message,
+                    Err(RecvError::Lagged(batches)) => said(&Say::Skipped { batches }),
+                    Err(RecvError::Closed) => break,
+                };
+                open = socket.send(message).await.is_ok();
+            }
+            asked = socket.recv() => match asked {
+                Some(Ok(Message::Text(text))) => {
+                    match answer(app, &bench, text.as_str()) {
+                        Ok(None) => {}
+                        Ok(Some(message)) => open = socket.send(message).await.is_ok(),
+                        Err(why) => {
+                            let say = Say::Said { tone: Tone::Refused, about: "page", text: &why };
+                            open = socket.send(said(&say)).await.is_ok();
+                        }
+                    }
+                }
+                // pages send text only
+                Some(Ok(Message::Binary(_))) => {}
+                // the library answers pings itself
+                Some(Ok(Message::Ping(_) | Message::Pong(_))) => {}
+                Some(Ok(Message::Close(_)) | Err(_)) | None => open = false,
+            }
+        }
+    }
+    let _ = bench.send(ToBench::Left(page));
+}
+
+fn said(say: &Say<'_>) -> Message {
+    Message::Text(say.to_json().into())
+}
+
+/// What is answered to this page alone; the rest goes to the device's thread.
+fn answer(app: &App, bench: &Sender<ToBench>, text: &str) -> Result<Option<Message>, String> {
+    Ok(match Ask::read(text)? {
+        Ask::Ping { id } => {
+            let clock = app.began.elapsed().as_millis() as u32;
+            Some(said(&Say::Pong { id, clock }))
+        }
+        Ask::Propose { id, changes } => {
+            let (settings, device) = app.shared.known(|known| (known.settings, known.device));
+            let verdict = match verdict::changed(&settings, &changes) {
+                Ok(changed) => verdict::judge(&changed, &device),
+                Err(says) => verdict::Verdict {
+                    level: "refused",
+                    says,
+                    about: changes.first().map(|(name, _)| name.clone()).unwrap_or_default(),
+                    ..verdict::judge(&settings, &device)
+                },
+            };
+            Some(said(&Say::Proposed { id, verdict }))
+        }
+        ask => {
+            bench.send(ToBench::Asked(ask)).map_err(|_| "the lab is closing".to_owned())?;
+            None
+        }
+    })
+}

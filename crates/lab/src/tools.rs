@@ -1,0 +1,68 @@
+//! What the page lets do that the host command already knows how to.
+
+use crate::device::{Device, Header, Recorder};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// What an analysis found.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Found {
+    /// As the terminal would show it.
+    pub text: String,
+    /// Parameters as a preset, ready to be set: name and value.
+    pub preset: Vec<(String, String)>,
+}
+
+/// How far an analysis is, 0 to 1, and what it does.
+pub type Progress<'a> = &'a dyn Fn(f32, &str);
+
+/// The host command, as the lab uses it.
+pub trait Tools: Send + Sync {
+    /// The port as the user named it; `sim` is a virtual device, whose handle the page may hold.
+    fn port(&self) -> &str;
+
+    /// Opens the device; called again when it was lost.
+    ///
+    /// # Errors
+    /// Why it cannot be opened, and what would help.
+    fn open(&self) -> Result<Box<dyn Device>, String>;
+
+    /// Begins a recording.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn record(
+        &self,
+        path: &Path,
+        header: &Header,
+        notes: &[(String, String)],
+    ) -> Result<Box<dyn Recorder>, String>;
+
+    /// Identifies friction from recordings, and writes a report.
+    ///
+    /// # Errors
+    /// What is wrong with the recordings.
+    fn identify(
+        &self,
+        recordings: &[PathBuf],
+        report: &Path,
+        progress: Progress<'_>,
+    ) -> Result<Found, String>;
+
+    /// Diagnoses what a simulation leaves out on recordings, and writes a report.
+    ///
+    /// # Errors
+    /// What is wrong with the recordings.
+    fn diagnose(
+        &self,
+        recordings: &[PathBuf],
+        report: &Path,
+        progress: Progress<'_>,
+    ) -> Result<Found, String>;
+
+    /// Writes a recording anew as MCAP.
+    ///
+    /// # Errors
+    /// What is wrong with the recording, or the file cannot be written.
+    fn to_mcap(&self, recording: &Path, out: &Path) -> Result<(), String>;
+}

@@ -1,0 +1,202 @@
+//! The lab as somebody with bad intentions meets it.
+
+use crate::browser::Lab;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+use tungstenite::{Message, WebSocket};
+
+type Socket = WebSocket<std::net::TcpStream>;
+
+fn lab(folder: &tempfile::TempDir) -> Lab {
+    Lab::start(&folder.path().join("lab"), &["sim"])
+}
+
+fn own_socket(lab: &Lab) -> Socket {
+    let origin = format!("http://{}", lab.host());
+    let socket = lab.socket(Some(&origin)).expect("its own page");
+    socket.get_ref().set_read_timeout(Some(Duration::from_secs(20))).expect("a socket");
+    socket
+}
+
+/// Messages until one is as wanted.
+fn wait_for(socket: &mut Socket, what: &str, mut wanted: impl FnMut(&Value) -> bool) -> Value {
+    let began = Instant::now();
+    loop {
+        assert!(began.elapsed() < Duration::from_secs(20), "{what}: not within 20 s");
+        let Message::Text(text) = socket.read().unwrap_or_else(|e| panic!("{what}: {e}")) else { continue };
+        let message: Value = serde_json::from_str(text.as_str()).expect("JSON");
+        if wanted(&message) {
+            return message;
+        }
+    }
+}
+
+fn ask(socket: &mut Socket, what: &Value) {
+    socket.send(Message::text(what.to_string())).expect("the lab hears");
+}
+
+#[test]
+fn pages_of_other_origins_can_neither_read_nor_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = lab(&folder);
+    let own = format!("http://{}", lab.host());
+    for origin in [
+        None,
+        Some("http://evil.example"),
+        Some("null"),
+        Some("https://127.0.0.1"),
+        Some("http://localhost:1"),
+    ] {
+        let refused = lab.socket(origin).err();
+        println!("socket from {origin:?}: {refused:?}");
+        assert!(refused.is_some_and(|why| why.contains("403")), "{origin:?}");
+    }
+    assert!(lab.socket(Some(&own)).is_ok(), "its own page");
+    let rebound = "Host: evil.example\r\nOrigin: http://evil.example\r\n";
+    for (path, headers) in [
+        ("/", rebound),
+        ("/socket", rebound),
+        ("/recordings/rec-001.csv", "Sec-Fetch-Site: cross-site\r\n"),
+        ("/recordings/rec-001.csv", "Origin: http://evil.example\r\n"),
+        ("/reports/x.html", "Sec-Fetch-Site: same-site\r\n"),
+        ("/assets/main.js", "Sec-Fetch-Site: cross-site\r\n"),
+    ] {
+        let answer = lab.get(path, headers);
+        println!("GET {path} {headers:?}: {}", answer.lines().next().unwrap_or_default());
+        assert!(answer.starts_with("HTTP/1.1 403"), "{answer}");
+    }
+    for path in
+        ["/recordings/..%2f..%2fCargo.toml", "/reports/%2e%2e%2fx.html", "/recordings/%00.csv", "/nothing"]
+    {
+        let answer = lab.get(path, "");
+        assert!(answer.starts_with("HTTP/1.1 40"), "{path}: {answer}");
+    }
+    let page = lab.get("/", "");
+    assert!(page.starts_with("HTTP/1.1 200") && page.contains("frame-ancestors 'none'"));
+    assert!(!page.to_ascii_lowercase().contains("access-control-allow"), "nothing is shared");
+}
+
+#[test]
+fn beyond_loopback_nobody_comes_in_without_the_token() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = Lab::start(&folder.path().join("lab"), &["sim", "--bind", "0.0.0.0"]);
+    let token = lab.url.split("token=").nth(1).expect("a token is made up").to_owned();
+    assert!(token.len() >= 32);
+    for path in ["/", "/assets/main.js", "/recordings/rec-001.csv", "/?token=0123456789abcdef"] {
+        assert!(lab.get(path, "").starts_with("HTTP/1.1 403"), "{path}");
+    }
+    assert!(lab.socket(Some(&format!("http://{}", lab.host()))).is_err());
+    let opened = lab.get(&format!("/?token={token}"), "");
+    assert!(opened.contains("HttpOnly; SameSite=Strict"), "{opened}");
+    assert!(lab.get("/", &format!("Cookie: tribos_lab={token}\r\n")).starts_with("HTTP/1.1 200"));
+    let token = "--token=short";
+    let refused = std::process::Command::new(env!("CARGO_BIN_EXE_tribos"))
+        .args(["lab", "sim", token])
+        .output()
+        .expect("tribos runs");
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+/// What a page may send, broken in every way one can think of.
+fn malformed(rng: &mut ChaCha8Rng) -> Message {
+    const GOOD: &[&str] = &[
+        r#"{"do":"arm"}"#,
+        r#"{"do":"propose","id":7,"changes":[["k_vc","9000"]]}"#,
+        r#"{"do":"set","changes":[["f_static","2.5"],["mass","0.4"]]}"#,
+        r#"{"do":"move","wave":"sine","amplitude":0.01,"frequency":2,"seconds":3,"record":true}"#,
+        r#"{"do":"hand","at":0.004}"#,
+        r#"{"do":"begin_choice","subject":"x","seed":1,"batches":"thesis"}"#,
+        r#"{"do":"answer","answer":"A"}"#,
+        r#"{"do":"identify","recordings":["../../etc/passwd"]}"#,
+        r#"{"do":"resume","name":"..%2f.jsonl"}"#,
+        r#"{"do":"save","name":"a\nstop"}"#,
+    ];
+    const ODD: &[&str] = &[
+        "1e999",
+        "-0",
+        "NaN",
+        "null",
+        "[]",
+        "{}",
+        "\"\"",
+        "\\u0000",
+        "\\ud800",
+        "18446744073709551616",
+        "\u{feff}",
+        "[[[[[[[[[[[[[[[[",
+        "\n",
+        "stop",
+        "true",
+        "é",
+    ];
+    let mut bytes = GOOD[rng.random_range(0..GOOD.len())].as_bytes().to_vec();
+    for _ in 0..rng.random_range(1..6) {
+        let at = rng.random_range(0..=bytes.len());
+        match rng.random_range(0..6) {
+            0 if at < bytes.len() => bytes[at] = rng.random(),
+            1 => bytes.truncate(at),
+            2 => {
+                let end = rng.random_range(at..=bytes.len());
+                bytes.drain(at..end);
+            }
+            3 => {
+                let odd = ODD[rng.random_range(0..ODD.len())];
+                bytes.splice(at..at, odd.bytes());
+            }
+            4 => {
+                let piece = bytes[at..].to_vec();
+                bytes.extend(piece);
+            }
+            _ => bytes.splice(at..at, (0..rng.random_range(0..40)).map(|_| b'[')).for_each(drop),
+        }
+        bytes.truncate(2_000);
+    }
+    if rng.random_bool(0.1) {
+        return Message::binary(bytes);
+    }
+    Message::text(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+#[test]
+fn a_hundred_thousand_malformed_messages_crash_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut lab = lab(&folder);
+    let mut rng = ChaCha8Rng::seed_from_u64(20261121);
+    let (mut texts, mut binaries, mut refused) = (0, 0, 0);
+    let began = Instant::now();
+    let mut socket = own_socket(&lab);
+    for round in 0..500 {
+        for _ in 0..200 {
+            let message = malformed(&mut rng);
+            if message.is_text() {
+                texts += 1
+            } else {
+                binaries += 1
+            }
+            socket.write(message).expect("the lab hears");
+        }
+        socket.flush().expect("the lab hears");
+        // answers come in order: with this one, all before it were read
+        ask(&mut socket, &json!({ "do": "ping", "id": round }));
+        wait_for(&mut socket, "the lab answers", |m| {
+            refused += u32::from(m["tone"] == "refused");
+            m["is"] == "pong" && m["id"].as_f64() == Some(f64::from(round))
+        });
+    }
+    let took = began.elapsed().as_secs_f64();
+    println!("{texts} texts and {binaries} binaries in {took:.1} s: {refused} refusals, no crash");
+    assert!(texts + binaries == 100_000 && refused > texts / 2);
+    // one too long, one that is no frame at all
+    let mut socket = own_socket(&lab);
+    let _ = socket.send(Message::text("x".repeat(1 << 20)));
+    drop(socket);
+    assert!(lab.child.try_wait().expect("a process").is_none(), "the lab runs on");
+    let mut socket = own_socket(&lab);
+    ask(&mut socket, &json!({ "do": "leave" }));
+    ask(&mut socket, &json!({ "do": "stop" }));
+    wait_for(&mut socket, "a device without force", |m| m["is"] == "state" && m["mode"] == "idle");
+    let before = std::fs::read_dir(folder.path()).expect("the folder").count();
+    assert_eq!(before, 1, "nothing was written outside the lab's folder");
+}

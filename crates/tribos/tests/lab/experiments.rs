@@ -1,0 +1,303 @@
+//! The experiments of the lab, run by script through the page; what is kept when device, server or browser die.
+
+use crate::browser::{Lab, Page, chromium};
+use perception::{Record, Session};
+use serde_json::json;
+use std::path::Path;
+use std::time::Duration;
+
+fn session(folder: &Path, name: &str) -> Session {
+    Session::read(&folder.join(format!("{name}.jsonl"))).expect("a session")
+}
+
+fn connected(lab: &Lab, chromium: &Path) -> Page {
+    Page::of(lab, chromium, (1280, 860))
+}
+
+/// Opens a session by its form.
+fn begin(page: &mut Page, what: &str) {
+    page.eval("document.querySelector('#tab-try').click(); document.querySelector('#begin').elements.practice.checked = false");
+    page.eval(&format!("document.querySelector('#begin [value={what}]').click()"));
+    page.until("the stage", "!document.querySelector('#stage').hidden && lab.known.experiment", 10);
+}
+
+/// Presses Enter until the trial runs: first it arms, then it starts.
+fn start(page: &mut Page) {
+    for _ in 0..2 {
+        if page.eval("lab.known.experiment.running") == json!(true) {
+            return;
+        }
+        let armed = page.eval("lab.known.experiment.armed") == json!(true);
+        page.key("Enter");
+        let wanted = if armed { "lab.known.experiment.running" } else { "lab.known.experiment.armed" };
+        page.until("armed, then started", wanted, 10);
+    }
+}
+
+/// Goes to the target and clicks, until so many valid clicks or the segment is over.
+fn click_targets(page: &mut Page, clicks: u32) {
+    for _ in 0..clicks {
+        let before = page.eval("[lab.known.experiment.done, lab.known.experiment.targets.valid]");
+        page.eval("(() => { const t = lab.known.experiment.targets; lab.wire.ask({ do: 'hand', at: 0.5 * t.side * t.distance_px * t.metre_per_px }); })()");
+        page.until(
+            "the cursor rests in the target",
+            "(() => { const t = lab.known.experiment.targets, i = lab.ring.end - 1; \
+              const off = lab.ring.at('position', i) - 0.5 * t.side * t.distance_px * t.metre_per_px; \
+              return Math.abs(off) < 0.3 * t.width_px * t.metre_per_px && Math.abs(lab.ring.at('velocity', i)) < 0.005; })()",
+            15,
+        );
+        page.key("Enter");
+        page.until(
+            "the click is taken",
+            &format!("JSON.stringify([lab.known.experiment.done, lab.known.experiment.targets.valid]) !== '{before}'"),
+            5,
+        );
+    }
+}
+
+#[test]
+fn a_segment_of_targeting_and_a_batch_of_forced_choice_by_script() {
+    let Some(chromium) = chromium("the experiments") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = Lab::start(folder.path(), &["sim"]);
+    let mut page = connected(&lab, &chromium);
+    begin(&mut page, "targeting");
+    page.picture("targeting-waits");
+    start(&mut page);
+    // a miss first: from the middle nothing can be hit
+    page.key("Enter");
+    page.until("a miss", "lab.known.experiment.last === 'miss'", 5);
+    click_targets(&mut page, 4);
+    page.picture("targeting");
+    click_targets(&mut page, 4);
+    page.until("the segment is over", "lab.known.experiment.done === 1 && !lab.known.experiment.running", 5);
+    let kept = session(folder.path(), "targeting-s01-1");
+    let Record::Targeting(trial) = &kept.records[0] else { panic!("a targeting trial") };
+    println!(
+        "segment: {:.2} bits, {:.2} s, {} misses, {:.2} mm beside",
+        trial.id_bits, trial.completion_s, trial.errors, trial.mean_error_mm
+    );
+    assert_eq!((kept.records.len(), trial.errors, trial.clicks.len()), (1, 1, 9));
+    // the trajectory holds every millisecond of the trial, and the clicks lie on it
+    let file = trial.trajectory.as_ref().expect("a trajectory");
+    let text = std::fs::read_to_string(folder.path().join(file)).expect("its file");
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
+        .map(|line| line.split(',').map(|x| x.parse().expect("a number")).collect())
+        .collect();
+    let worst = rows.windows(2).map(|w| w[1][0] - w[0][0]).fold(0.0, f64::max);
+    println!(
+        "trajectory: {} samples, {:.3} s, longest step {:.4} s",
+        rows.len(),
+        rows.last().map_or(0.0, |r| r[0]),
+        worst
+    );
+    assert!((rows.len() as f64 * 1e-3 - trial.completion_s).abs() < 0.05 && worst < 1.5e-3);
+    for click in &trial.clicks {
+        let row =
+            rows.iter().min_by(|a, b| (a[0] - click.time_s).abs().total_cmp(&(b[0] - click.time_s).abs()));
+        let px = row.expect("a row")[1] / trial.metre_per_px;
+        assert!(
+            (px - click.position_px).abs() < 0.01,
+            "click at {} px, trajectory {px} px",
+            click.position_px
+        );
+    }
+    let download = page.eval("fetch('/recordings/targeting-s01-1.jsonl').then((r) => r.text())");
+    assert_eq!(
+        download.as_str().map(|text| text.lines().count()),
+        Some(2),
+        "header and one trial are downloaded"
+    );
+    page.eval("document.querySelector('#leave').click()");
+    page.until("left", "!lab.known.experiment && lab.known.mode === 'idle'", 5);
+
+    begin(&mut page, "choice");
+    start(&mut page);
+    for trial in 0..10 {
+        page.until(
+            "the question",
+            &format!("lab.known.experiment.done === {trial} && lab.known.experiment.running"),
+            10,
+        );
+        assert_eq!(page.eval("lab.known.experiment.cases.may_answer"), json!(false));
+        for case in ["a", "b"] {
+            page.key("Enter");
+            page.until("the next case", &format!("lab.known.experiment.cases.case === '{case}'"), 5);
+        }
+        if trial == 0 {
+            page.until(
+                "three cases are felt",
+                "document.querySelector('#stage-buttons').children.length === 3",
+                5,
+            );
+            page.picture("choice");
+        }
+        page.key(if trial % 2 == 0 { "a" } else { "b" });
+    }
+    page.until("ten answers", "lab.known.experiment.done === 10", 10);
+    let kept = session(folder.path(), "choice-s01-1");
+    let answers: Vec<_> = kept
+        .records
+        .iter()
+        .filter_map(|record| if let Record::ForcedChoice(trial) = record { Some(trial) } else { None })
+        .collect();
+    let right = answers.iter().filter(|trial| trial.correct).count();
+    println!("batch 1: {} answers, {right} right of a script that feels nothing", answers.len());
+    assert!(
+        answers.len() == 10
+            && answers.iter().all(|trial| trial.batch == "batch 1" && trial.visits == [1, 1, 1])
+    );
+    // the first case that differs was on the handle: the device itself says so
+    let told = page.eval("JSON.stringify(lab.known.experiment)");
+    assert!(!told.as_str().is_some_and(|text| text.contains("different") || text.contains("f_static")));
+}
+
+#[test]
+fn what_is_finished_survives_the_death_of_server_browser_and_device() {
+    let Some(chromium) = chromium("what survives a crash") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut lab = Lab::start(folder.path(), &["sim"]);
+    let mut page = connected(&lab, &chromium);
+    begin(&mut page, "choice");
+    start(&mut page);
+    let answer = |page: &mut Page, done: u32| {
+        for case in ["a", "b"] {
+            page.key("Enter");
+            page.until("the next case", &format!("lab.known.experiment.cases.case === '{case}'"), 5);
+        }
+        page.key("a");
+        page.until("answered", &format!("lab.known.experiment.done === {done}"), 5);
+    };
+    answer(&mut page, 1);
+    page.key("Enter");
+    page.until("in the middle of a trial", "lab.known.experiment.cases.case === 'a'", 5);
+
+    // the server, without a word
+    lab.child.kill().expect("killed");
+    lab.child.wait().expect("gone");
+    page.until(
+        "the page says so",
+        "document.querySelector('#said').textContent.includes('has gone away')",
+        10,
+    );
+    println!("server killed: the page says: {}", page.eval("document.querySelector('#said').textContent"));
+    page.picture("server-gone");
+    assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 1);
+    drop(page);
+    let lab = Lab::start(folder.path(), &["sim"]);
+    let mut page = connected(&lab, &chromium);
+    page.eval("document.querySelector('#tab-try').click()");
+    page.until("the session is offered", "document.querySelector('#sessions button')", 5);
+    page.eval("document.querySelector('#sessions button').click()");
+    page.until("it goes on", "lab.known.experiment && lab.known.experiment.done === 1", 5);
+    start(&mut page);
+    answer(&mut page, 2);
+
+    // the browser: nobody watches, so force goes off, and the trial that ran is none
+    let second = connected(&lab, &chromium);
+    drop(page);
+    let mut page = second;
+    assert_eq!(page.eval("lab.known.experiment.done"), json!(2));
+    page.goto("about:blank");
+    std::thread::sleep(Duration::from_millis(700));
+    page.goto(&lab.url);
+    page.until("the page is back", "lab.known.connected && lab.known.experiment", 20);
+    let now = page.eval("[lab.known.experiment.done, lab.known.experiment.armed, lab.known.mode]");
+    println!("browser closed: {now}");
+    assert_eq!(now, json!([2, false, "idle"]));
+    start(&mut page);
+    answer(&mut page, 3);
+    assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 3);
+}
+
+/// A device behind a pseudo-terminal; dropping it is pulling its cable.
+struct Cable {
+    name: String,
+    pulled: std::sync::Arc<std::sync::atomic::AtomicBool>,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+impl Cable {
+    fn plug() -> Self {
+        use serialport::{SerialPort, TTYPort};
+        use std::io::{Read, Write};
+        use std::sync::atomic::Ordering;
+        let (mut ours, theirs) = TTYPort::pair().expect("a pseudo-terminal");
+        let name = theirs.name().expect("its name");
+        ours.set_timeout(Duration::from_millis(1)).expect("a time-out");
+        let pulled = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+        let seen = pulled.clone();
+        let thread = std::thread::spawn(move || {
+            // ours and theirs live until the cable is pulled
+            let _theirs = theirs;
+            let mut device = tribos_firmware::VirtualDevice::new(&Default::default()).expect("a device");
+            let (mut due, mut out, mut chunk) = (std::time::Instant::now(), Vec::new(), [0; 512]);
+            while !seen.load(Ordering::SeqCst) {
+                if let Ok(count) = ours.read(&mut chunk) {
+                    device.write(&chunk[..count]);
+                }
+                while due <= std::time::Instant::now() {
+                    device.tick();
+                    due += Duration::from_millis(1);
+                }
+                device.read(&mut out);
+                // a line that is full waits
+                while let Ok(count @ 1..) = ours.write(&out) {
+                    out.drain(..count);
+                }
+            }
+        });
+        Self { name, pulled, thread: Some(thread) }
+    }
+}
+
+impl Drop for Cable {
+    fn drop(&mut self) {
+        self.pulled.store(true, std::sync::atomic::Ordering::SeqCst);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[test]
+fn a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept() {
+    let Some(chromium) = chromium("a pulled cable") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let cable = Cable::plug();
+    let lab = Lab::start(folder.path(), &[&cable.name]);
+    let mut page = connected(&lab, &chromium);
+    assert_eq!(
+        page.eval("[lab.known.sim, lab.ring.lost, document.querySelector('#hand-bar').hidden]"),
+        json!([false, 0, true])
+    );
+    page.eval("lab.wire.ask({ do: 'hand', at: 0.001 })");
+    page.until(
+        "a real handle has a real hand",
+        "document.querySelector('#said').textContent.includes('real hand')",
+        5,
+    );
+    begin(&mut page, "choice");
+    start(&mut page);
+    for _ in 0..2 {
+        page.key("Enter");
+        std::thread::sleep(Duration::from_millis(150));
+    }
+    page.key("b");
+    page.until("answered", "lab.known.experiment.done === 1", 5);
+    drop(cable);
+    page.until(
+        "the page says so",
+        "!lab.known.connected && lab.known.experiment && !lab.known.experiment.armed",
+        15,
+    );
+    let said = page.eval("document.querySelector('#stage-waits').textContent");
+    println!("cable pulled: the page says: {said}");
+    assert!(
+        said.as_str().is_some_and(|text| text.contains("The device is gone") && text.contains("kept")),
+        "{said}"
+    );
+    assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 1);
+}
