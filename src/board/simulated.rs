@@ -119,7 +119,10 @@ const NOTHING: Slide = Layered::new(Law::Coulomb(Coulomb {
 }));
 
 const HELP: &[HelpLine] = &[
-    HelpLine { usage: "sim hand off|hold|at METRE|push NEWTON|sine AMP FREQ", what: "simulated hand: m, N, Hz" },
+    HelpLine {
+        usage: "sim hand off|hold|at METRE|push NEWTON|sine AMP FREQ",
+        what: "simulated hand: m, N, Hz",
+    },
     HelpLine { usage: "sim block none|brass|teflon|rubber", what: "a real block on the handle (table 3-3)" },
     HelpLine {
         usage: "sim wire encoder|load|accel|amplifier right|swapped|dead",
@@ -209,7 +212,9 @@ impl SimulatedBoard {
                 self.hand = Holder::to_and_fro(amplitude, frequency);
                 let _ = write!(out, "hand moves {amplitude} m at {frequency} Hz");
             }
-            ["hand", word, ..] => return Err(wrong(out, word, "off, hold, at METRE, push NEWTON, sine AMP FREQ")),
+            ["hand", word, ..] => {
+                return Err(wrong(out, word, "off, hold, at METRE, push NEWTON, sine AMP FREQ"));
+            }
             ["block", "none"] => {
                 let _ = self.rig.set_block(0.0, NOTHING);
                 let _ = write!(out, "block off: the handle is free");

@@ -171,7 +171,8 @@ impl Reader<'_> {
                 return Ok(());
             }
             "renderer" => {
-                self.model.coupling.renderer = Some(self.word(&entry, &["virtual_coupling", "stopping_force", "impedance"])?);
+                self.model.coupling.renderer =
+                    Some(self.word(&entry, &["virtual_coupling", "stopping_force", "impedance"])?);
                 return Ok(());
             }
             "f_static" => &["f_static_p", "f_static_n"],

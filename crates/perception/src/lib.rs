@@ -29,24 +29,36 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod analysis;
 mod batch;
+mod fit;
 mod forced_choice;
+mod hand;
 mod log;
+mod observer;
 mod psychometric;
 mod quest;
 mod record;
+mod simulate;
 mod stimulus;
 mod targeting;
 mod targeting_plan;
 
+pub use analysis::{
+    Count, Counts, Difference, Margins, Scored, Throughput, counts, differences, segments, throughput,
+};
 pub use batch::{Batch, Procedure, Varied};
+pub use fit::{Fit, Level, Threshold, levels};
 pub use forced_choice::{Case, ForcedChoice, ForcedChoicePlan, Planned, Presentation};
+pub use hand::{HandModel, reach};
 pub use log::{Log, LogError, Session};
+pub use observer::Observer;
 pub use psychometric::{AT_JND, GUESS, Psychometric};
 pub use quest::{Belief, QuestPlus};
 pub use record::{
     Answer, Click, Experiment, ForcedChoiceTrial, Header, Record, SCHEMA, Simulated, Subject, TargetingTrial,
 };
+pub use simulate::{HAND_MODEL, OBSERVER_MODEL, SimulatedSubject};
 pub use stimulus::{Resistance, Stimulus};
 pub use targeting::{Event, Targeting};
 pub use targeting_plan::{CLICKS, Difficulty, Segment, TABLE_5_1, TargetingPlan};

@@ -1,8 +1,8 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    compare, connect, convert, demo, design, diagnose, figures, identify, investigate, lab, predict, preset,
-    prove, record, simulate,
+    compare, connect, convert, demo, design, diagnose, experiment, figures, identify, investigate, lab,
+    predict, preset, prove, record, simulate,
 };
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
@@ -43,6 +43,8 @@ enum Command {
     Design(design::Args),
     /// Draw the figures of the thesis anew, with its numbers beside ours
     Figures(figures::Args),
+    /// The perception experiments: analyse sessions, simulate subjects
+    Experiment(experiment::Args),
     /// Prove on sealed recordings that concealed effects are found, and nothing else
     Prove(prove::Args),
     /// Convert a recording: csv, mat (v5) in; csv, mat, mcap out
@@ -68,6 +70,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Preset(args) => preset::run(args),
         Command::Design(args) => design::run(args),
         Command::Figures(args) => figures::run(args),
+        Command::Experiment(args) => experiment::run(args),
         Command::Prove(args) => prove::run(args),
         Command::Convert(args) => convert::run(args),
     }

@@ -24,6 +24,7 @@ mod compare;
 mod conceal;
 mod console;
 mod design;
+mod experiment;
 mod failure;
 mod figures;
 mod files;

@@ -6,6 +6,7 @@ pub mod convert;
 pub mod demo;
 pub mod design;
 pub mod diagnose;
+pub mod experiment;
 pub mod figures;
 pub mod identify;
 pub mod investigate;

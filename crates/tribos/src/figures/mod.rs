@@ -7,7 +7,7 @@ mod plot;
 mod rendered;
 
 use crate::failure::Result;
-pub(crate) use plot::{BLUE, GREEN, GREY, Line, ORANGE, Panel, svg};
+pub(crate) use plot::{BLUE, GREEN, GREY, Line, ORANGE, PURPLE, Panel, svg};
 
 /// A number the thesis states, and ours.
 #[derive(Debug, Clone)]

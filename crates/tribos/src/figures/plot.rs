@@ -13,6 +13,7 @@ const ROW: usize = 3;
 pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
 pub(crate) const ORANGE: RGBColor = RGBColor(213, 94, 0);
 pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
 pub(crate) const GREY: RGBColor = RGBColor(120, 120, 120);
 
 /// What is drawn of one thing.
@@ -22,16 +23,23 @@ pub(crate) struct Line {
     pub colour: RGBColor,
     /// Points instead of a line.
     pub dots: bool,
+    /// Of a point, pixels.
+    pub radius: u32,
     pub points: Vec<(f64, f64)>,
 }
 
 impl Line {
     pub(crate) fn new(name: impl Into<String>, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), colour, dots: false, points }
+        Self { name: name.into(), colour, dots: false, radius: 1, points }
     }
 
     pub(crate) fn dots(self) -> Self {
         Self { dots: true, ..self }
+    }
+
+    /// Few points, each to be seen.
+    pub(crate) fn marks(self) -> Self {
+        Self { dots: true, radius: 4, ..self }
     }
 }
 
@@ -142,7 +150,7 @@ fn one(panel: &Panel, area: &Area<'_>) -> std::result::Result<(), Box<dyn std::e
         let named = !line.name.is_empty();
         if line.dots {
             let inside = line.points.iter().filter(|p| y.contains(&p.1));
-            let dots = inside.map(|p| Circle::new(*p, 1, colour.mix(0.55).filled()));
+            let dots = inside.map(|p| Circle::new(*p, line.radius, colour.mix(0.55).filled()));
             let drawn = chart.draw_series(dots)?;
             if named {
                 drawn

@@ -1,0 +1,297 @@
+//! What the targeting task says: each subject against its own baseline, and the throughput of ISO 9241-411.
+
+use crate::log::Session;
+use crate::record::{Record, TargetingTrial};
+use crate::stimulus::Resistance;
+use crate::targeting_plan::TABLE_5_1;
+use serde::Serialize;
+
+/// Changes from which on the thesis calls a subject better or worse (ch. 5.4.1).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Margins {
+    /// Completion time, s: more than this.
+    pub time_s: f64,
+    /// Errors: at least this many.
+    pub errors: f64,
+    /// Mean error magnitude, mm: at least this.
+    pub error_mm: f64,
+}
+
+impl Margins {
+    /// Half a second, one error, one millimetre.
+    pub const THESIS: Self = Self { time_s: 0.5, errors: 1.0, error_mm: 1.0 };
+}
+
+/// A finished segment, with who did it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scored<'a> {
+    /// Label.
+    pub subject: &'a str,
+    /// A model did.
+    pub simulated: bool,
+    /// The segment.
+    pub trial: &'a TargetingTrial,
+}
+
+/// All segments that count: practice does not.
+#[must_use]
+pub fn segments(sessions: &[Session]) -> Vec<Scored<'_>> {
+    let mut all = Vec::new();
+    for session in sessions {
+        let subject = &session.header.subject;
+        for record in &session.records {
+            if let Record::Targeting(trial) = record
+                && !trial.practice
+            {
+                all.push(Scored { subject: &subject.id, simulated: subject.simulated.is_some(), trial });
+            }
+        }
+    }
+    all
+}
+
+/// A segment less the same subject's baseline of the same index.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Difference {
+    /// Label.
+    pub subject: String,
+    /// A model did.
+    pub simulated: bool,
+    /// What resisted.
+    pub resistance: Resistance,
+    /// Number in table 5-1.
+    pub index: u32,
+    /// s; negative is faster.
+    pub time_s: f64,
+    /// Fewer is negative.
+    pub errors: f64,
+    /// Mean error magnitude, mm.
+    pub error_mm: f64,
+    /// Of the baseline, s.
+    pub baseline_s: f64,
+}
+
+/// Every segment against its baseline; those without one are left out.
+#[must_use]
+pub fn differences(segments: &[Scored<'_>]) -> Vec<Difference> {
+    let baseline = |of: &Scored<'_>| {
+        let mine =
+            segments.iter().filter(|s| s.subject == of.subject && s.trial.resistance == Resistance::Baseline);
+        mine.map(|s| s.trial).find(|trial| trial.difficulty == of.trial.difficulty)
+    };
+    let others = segments.iter().filter(|s| s.trial.resistance != Resistance::Baseline);
+    others
+        .filter_map(|s| {
+            let base = baseline(s)?;
+            Some(Difference {
+                subject: s.subject.to_owned(),
+                simulated: s.simulated,
+                resistance: s.trial.resistance,
+                index: s.trial.difficulty.index,
+                time_s: s.trial.completion_s - base.completion_s,
+                errors: s.trial.errors as f64 - base.errors as f64,
+                error_mm: s.trial.mean_error_mm - base.mean_error_mm,
+                baseline_s: base.completion_s,
+            })
+        })
+        .collect()
+}
+
+/// One cell of tables 5-7 to 5-9.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Count {
+    /// Subjects that did better.
+    pub better: usize,
+    /// Subjects that did worse.
+    pub worse: usize,
+}
+
+/// One row of the three tables, for one resistance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Counts {
+    /// Number in table 5-1.
+    pub index: u32,
+    /// What resisted.
+    pub resistance: Resistance,
+    /// Subjects compared.
+    pub subjects: usize,
+    /// Table 5-7.
+    pub time: Count,
+    /// Table 5-8.
+    pub errors: Count,
+    /// Table 5-9.
+    pub error_mm: Count,
+    /// Mean change of the completion time, as a share of the mean baseline.
+    pub slower: f64,
+    /// Mean change in errors.
+    pub more_errors: f64,
+}
+
+/// Tables 5-7 to 5-9.
+#[must_use]
+pub fn counts(differences: &[Difference], margins: &Margins) -> Vec<Counts> {
+    let mut all = Vec::new();
+    for index in TABLE_5_1.map(|difficulty| difficulty.index) {
+        for resistance in Resistance::ALL {
+            let of: Vec<&Difference> =
+                differences.iter().filter(|d| d.index == index && d.resistance == resistance).collect();
+            if of.is_empty() {
+                continue;
+            }
+            let count = |better: &dyn Fn(&Difference) -> bool, worse: &dyn Fn(&Difference) -> bool| Count {
+                better: of.iter().filter(|d| better(d)).count(),
+                worse: of.iter().filter(|d| worse(d)).count(),
+            };
+            let mean = |value: &dyn Fn(&Difference) -> f64| {
+                of.iter().map(|d| value(d)).sum::<f64>() / of.len() as f64
+            };
+            all.push(Counts {
+                index,
+                resistance,
+                subjects: of.len(),
+                time: count(&|d| d.time_s < -margins.time_s, &|d| d.time_s > margins.time_s),
+                errors: count(&|d| d.errors <= -margins.errors, &|d| d.errors >= margins.errors),
+                error_mm: count(&|d| d.error_mm <= -margins.error_mm, &|d| d.error_mm >= margins.error_mm),
+                slower: mean(&|d| d.time_s) / mean(&|d| d.baseline_s),
+                more_errors: mean(&|d| d.errors),
+            });
+        }
+    }
+    all
+}
+
+/// Throughput of one segment (ISO 9241-411, annex B): one click ends a movement, whether it hit or not.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Throughput {
+    /// Movements, the one from wherever the hand was left out.
+    pub movements: usize,
+    /// Effective width W_e = 4.133 standard deviations of where clicks fell along the movement, mm of handle travel.
+    pub effective_width_mm: f64,
+    /// Mean distance really moved A_e, mm.
+    pub effective_distance_mm: f64,
+    /// Effective index of difficulty log₂(A_e/W_e + 1), bits.
+    pub effective_bits: f64,
+    /// Mean movement time, s.
+    pub movement_s: f64,
+    /// ID_e over movement time, bits/s.
+    pub bits_per_s: f64,
+}
+
+/// Throughput of a segment; nothing with fewer than three movements or clicks that all fell on one spot.
+#[must_use]
+pub fn throughput(trial: &TargetingTrial) -> Option<Throughput> {
+    // the first click on each target, and when the movement to it began: at the valid click before
+    let mut moves = Vec::new();
+    let mut from: Option<(f64, f64)> = None;
+    let mut ended = false;
+    for click in &trial.clicks {
+        if let (Some((x, t)), false) = (from, ended) {
+            let way = (click.target_px - x).signum();
+            moves.push((
+                (click.position_px - x).abs(),
+                way * (click.position_px - click.target_px),
+                click.time_s - t,
+            ));
+        }
+        ended = !click.valid;
+        if click.valid {
+            from = Some((click.position_px, click.time_s));
+        }
+    }
+    let n = moves.len() as f64;
+    if moves.len() < 3 {
+        return None;
+    }
+    let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| moves.iter().map(of).sum::<f64>() / n;
+    let (distance, bias, time) = (mean(&|m| m.0), mean(&|m| m.1), mean(&|m| m.2));
+    let spread = (moves.iter().map(|m| (m.1 - bias).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let width = 4.133 * spread;
+    if !(width > 0.0 && time > 0.0) {
+        return None;
+    }
+    let bits = (distance / width + 1.0).log2();
+    let mm = trial.metre_per_px * 1e3;
+    Some(Throughput {
+        movements: moves.len(),
+        effective_width_mm: width * mm,
+        effective_distance_mm: distance * mm,
+        effective_bits: bits,
+        movement_s: time,
+        bits_per_s: bits / time,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Click;
+    use crate::record::{Experiment, Header, SCHEMA, Subject};
+    use crate::targeting_plan::{Segment, TargetingPlan};
+
+    fn trial(resistance: Resistance, seconds: f64, errors: usize) -> TargetingTrial {
+        let difficulty = TABLE_5_1[3];
+        let mut clicks = Vec::new();
+        let mut side = 1.0;
+        for k in 0..8 + errors {
+            let time_s = seconds * (k + 1) as f64 / (8 + errors) as f64;
+            let missed = k < errors;
+            // misses by 50 px, 3 mm
+            let position_px = side * (150.0 + if missed { 56.0 } else { [-3.0, 0.0, 3.0][k % 3] });
+            clicks.push(Click { time_s, position_px, target_px: side * 150.0, valid: !missed });
+            if !missed {
+                side = -side;
+            }
+        }
+        let segment = Segment { practice: false, resistance, difficulty };
+        TargetingTrial::new(1, segment, &TargetingPlan::thesis(1), clicks)
+    }
+
+    fn session(id: &str, records: Vec<Record>) -> Session {
+        let header = Header {
+            schema: SCHEMA.into(),
+            subject: Subject { id: id.into(), simulated: None },
+            began: String::new(),
+            device: String::new(),
+            experiment: Experiment::Targeting(TargetingPlan::thesis(1)),
+        };
+        Session { header, records, cut_off: false }
+    }
+
+    #[test]
+    fn better_and_worse_by_the_thesis_s_margins() {
+        let sessions: Vec<Session> = [(5.4, 0), (5.6, 1), (4.4, 0), (4.5, 2)]
+            .iter()
+            .enumerate()
+            .map(|(k, &(seconds, errors))| {
+                let of = |r, s, e| Record::Targeting(trial(r, s, e));
+                session(
+                    &format!("s{k}"),
+                    vec![of(Resistance::Baseline, 5.0, 1), of(Resistance::Real, seconds, errors)],
+                )
+            })
+            .collect();
+        let all = segments(&sessions);
+        let found = differences(&all);
+        assert_eq!(found.len(), 4);
+        let table = counts(&found, &Margins::THESIS);
+        println!("{table:?}");
+        let [row] = table.as_slice() else { panic!("one row") };
+        assert_eq!((row.time.better, row.time.worse), (1, 1), "exactly half a second is neither");
+        assert_eq!((row.errors.better, row.errors.worse), (2, 1));
+        assert_eq!((row.error_mm.better, row.error_mm.worse), (2, 0), "no error has no magnitude");
+        assert!((row.slower - (-0.025 / 5.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn throughput_of_a_segment_by_hand() {
+        // clicks at −3, 0 and +3 px about the centre in turn: by hand, and with the side taken into account
+        let t = throughput(&trial(Resistance::Baseline, 8.0, 0)).expect("seven movements");
+        println!("{t:?}");
+        assert_eq!(t.movements, 7);
+        assert!((t.movement_s - 1.0).abs() < 1e-12);
+        let off = [0.0, 3.0, -3.0, 0.0, 3.0, -3.0, 0.0_f64];
+        let spread = (off.iter().map(|x| x * x).sum::<f64>() / 6.0).sqrt();
+        assert!((t.effective_width_mm - 4.133 * spread * 0.06).abs() < 0.02, "{}", t.effective_width_mm);
+        assert!((t.bits_per_s - (t.effective_distance_mm / t.effective_width_mm + 1.0).log2()).abs() < 1e-9);
+    }
+}

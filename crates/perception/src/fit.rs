@@ -1,0 +1,333 @@
+//! A psychometric function from answers: the just noticeable difference with an interval, or why there is none.
+//!
+//! Bayes on a grid over JND, slope and lapse rate, as psignifit does (Schütt and others 2016): what is not of interest is
+//! summed over instead of fixed, so the interval knows that slope and lapse rate are not known either. The prior on
+//! the JND is the same for every factor, far beyond the levels that were presented.
+
+use crate::psychometric::Psychometric;
+use serde::{Deserialize, Serialize};
+
+/// Right answers to one difference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Level {
+    /// Difference, N.
+    pub difference_n: f64,
+    /// Right answers.
+    pub correct: u32,
+    /// Answers.
+    pub answers: u32,
+}
+
+/// What the answers say.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "outcome", rename_all = "snake_case")]
+pub enum Threshold {
+    /// The levels reach the JND.
+    Estimated {
+        /// Median of its posterior, N.
+        jnd: f64,
+        /// 95 % interval, N.
+        ci95: (f64, f64),
+    },
+    /// The JND lies above every level, or may: it cannot be estimated from these levels.
+    AboveLevels {
+        /// Largest level, N.
+        largest: f64,
+        /// With 95 % probability it is larger than this, N.
+        at_least: f64,
+    },
+    /// The JND lies below every level, or may.
+    BelowLevels {
+        /// Smallest level, N.
+        smallest: f64,
+        /// With 95 % probability it is smaller than this, N.
+        at_most: f64,
+    },
+    /// So few answers that it may lie beyond the levels on either side.
+    TooFew,
+}
+
+/// A fitted psychometric function.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// The JND, or why there is none.
+    pub threshold: Threshold,
+    /// Medians of the posterior: the curve to draw. Its JND is no result where [`Self::threshold`] says so.
+    pub curve: Psychometric,
+    /// Deviance of that curve against the levels' own shares.
+    pub deviance: f64,
+    /// What was fitted.
+    pub levels: Vec<Level>,
+}
+
+/// Probability that the JND may have beyond the levels on one side, before it is no estimate any more.
+const BEYOND: f64 = 0.05;
+/// Cells over JND, slope and lapse rate: a coarse look, then a fine one where the coarse found anything.
+const COARSE: [usize; 3] = [61, 9, 4];
+const FINE: [usize; 3] = [91, 13, 6];
+/// Share of the posterior, either side, that the fine look may miss.
+const MISSED: f64 = 1e-5;
+/// The grid reaches this factor beyond the levels.
+const REACH: f64 = 20.0;
+
+/// Answers by difference, smallest first.
+#[must_use]
+pub fn levels(answers: impl IntoIterator<Item = (f64, bool)>) -> Vec<Level> {
+    let mut all: Vec<Level> = Vec::new();
+    for (difference_n, right) in answers {
+        let same = |level: &&mut Level| (level.difference_n - difference_n).abs() <= 1e-9;
+        let place = match all.iter_mut().find(same) {
+            Some(level) => level,
+            None => {
+                all.push(Level { difference_n, correct: 0, answers: 0 });
+                let last = all.len() - 1;
+                &mut all[last]
+            }
+        };
+        place.answers += 1;
+        place.correct += u32::from(right);
+    }
+    all.sort_by(|a, b| a.difference_n.total_cmp(&b.difference_n));
+    all
+}
+
+impl Fit {
+    /// Fits; nothing where no difference above zero was answered.
+    #[must_use]
+    pub fn new(levels: &[Level]) -> Option<Self> {
+        let levels: Vec<Level> =
+            levels.iter().copied().filter(|l| l.difference_n > 0.0 && l.answers > 0).collect();
+        let smallest = levels.first()?.difference_n;
+        let largest = levels.last()?.difference_n;
+        let coarse = Posterior::new(&levels, (smallest / REACH, largest * REACH), COARSE);
+        let fine = Posterior::new(&levels, coarse.found(), FINE);
+        let Posterior { jnds, slopes, lapses, .. } = &fine;
+        let [of_jnd, of_slope, of_lapse] = fine.marginals();
+        let q = |p: f64| quantile(jnds, &of_jnd, p);
+        let mass = |test: &dyn Fn(f64) -> bool| -> f64 {
+            jnds.iter().zip(&of_jnd).filter(|(jnd, _)| test(**jnd)).map(|(_, p)| p).sum()
+        };
+        let above = mass(&|jnd| jnd > largest) > BEYOND;
+        let below = mass(&|jnd| jnd < smallest) > BEYOND;
+        let threshold = match (above, below) {
+            (false, false) => Threshold::Estimated { jnd: q(0.5), ci95: (q(0.025), q(0.975)) },
+            (true, false) => Threshold::AboveLevels { largest, at_least: q(0.05) },
+            (false, true) => Threshold::BelowLevels { smallest, at_most: q(0.95) },
+            (true, true) => Threshold::TooFew,
+        };
+        let lapse = lapses.iter().zip(&of_lapse).map(|(x, p)| x * p).sum();
+        let curve = Psychometric { jnd: q(0.5), slope: quantile(slopes, &of_slope, 0.5), lapse };
+        let own: f64 = levels.iter().map(|l| term(f64::from(l.correct) / f64::from(l.answers), l)).sum();
+        let deviance = 2.0 * (own - likelihood(&curve, &levels));
+        Some(Self { threshold, curve, deviance, levels })
+    }
+}
+
+/// On a grid.
+struct Posterior {
+    jnds: Vec<f64>,
+    slopes: Vec<f64>,
+    lapses: Vec<f64>,
+    /// JND slowest, lapse rate fastest.
+    density: Vec<f64>,
+}
+
+impl Posterior {
+    fn new(levels: &[Level], (low, high): (f64, f64), [jnds, slopes, lapses]: [usize; 3]) -> Self {
+        let axis = |low: f64, high: f64, n: usize| -> Vec<f64> {
+            (0..n).map(|k| low * (high / low).powf(k as f64 / (n - 1) as f64)).collect()
+        };
+        let jnds = axis(low, high, jnds);
+        // 0.6 is flatter, 8 steeper than any sense is known to be
+        let slopes = axis(0.6, 8.0, slopes);
+        let lapses: Vec<f64> = (0..lapses).map(|k| 0.12 * k as f64 / (lapses - 1) as f64).collect();
+        let mut density = Vec::with_capacity(jnds.len() * slopes.len() * lapses.len());
+        for &jnd in &jnds {
+            for &slope in &slopes {
+                for &lapse in &lapses {
+                    density
+                        .push(likelihood(&Psychometric { jnd, slope, lapse }, levels) + prior(slope, lapse));
+                }
+            }
+        }
+        let best = density.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        density.iter_mut().for_each(|log| *log = (*log - best).exp());
+        Self { jnds, slopes, lapses, density }
+    }
+
+    fn marginals(&self) -> [Vec<f64>; 3] {
+        let (slopes, lapses) = (self.slopes.len(), self.lapses.len());
+        let mut sums = [vec![0.0; self.jnds.len()], vec![0.0; slopes], vec![0.0; lapses]];
+        let all: f64 = self.density.iter().sum();
+        for (at, p) in self.density.iter().enumerate() {
+            sums[0][at / (slopes * lapses)] += p / all;
+            sums[1][at / lapses % slopes] += p / all;
+            sums[2][at % lapses] += p / all;
+        }
+        sums
+    }
+
+    /// JNDs between which nearly all of it lies, with a cell to spare.
+    fn found(&self) -> (f64, f64) {
+        let [of_jnd, ..] = self.marginals();
+        let step = self.jnds[1] / self.jnds[0];
+        (quantile(&self.jnds, &of_jnd, MISSED) / step, quantile(&self.jnds, &of_jnd, 1.0 - MISSED) * step)
+    }
+}
+
+/// Slopes around 1.8 within a factor of 1.8; few answers lapse.
+fn prior(slope: f64, lapse: f64) -> f64 {
+    -0.5 * ((slope / 1.8).ln() / 1.8_f64.ln()).powi(2) - lapse / 0.03
+}
+
+fn likelihood(curve: &Psychometric, levels: &[Level]) -> f64 {
+    levels.iter().map(|level| term(curve.p(level.difference_n), level)).sum()
+}
+
+fn term(p: f64, level: &Level) -> f64 {
+    let log = |n: u32, p: f64| if n == 0 { 0.0 } else { f64::from(n) * p.max(1e-300).ln() };
+    log(level.correct, p) + log(level.answers - level.correct, 1.0 - p)
+}
+
+/// On a grid of equal factors, with the mass of a cell spread over it.
+fn quantile(grid: &[f64], mass: &[f64], q: f64) -> f64 {
+    let step = (grid[1] / grid[0]).ln();
+    let mut sum = 0.0;
+    for (x, m) in grid.iter().zip(mass) {
+        if sum + m >= q {
+            return x * (step * ((q - sum) / m.max(f64::MIN_POSITIVE) - 0.5)).exp();
+        }
+        sum += m;
+    }
+    grid.last().copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observer::Observer;
+    use crate::quest::QuestPlus;
+    use crate::stimulus::Stimulus;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    struct Recovered {
+        bias: f64,
+        covered: f64,
+        spread: f64,
+        not: usize,
+    }
+
+    /// Estimates of 200 observers from 0.25 to 1.6 N, whose answers come from noise on what is felt, not from a
+    /// Weibull function; `ask` presents and answers.
+    fn recover(
+        what: &str,
+        seed: u64,
+        ask: impl Fn(&Observer, f64, &mut ChaCha8Rng) -> Vec<(f64, bool)>,
+    ) -> Recovered {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (mut ratios, mut inside, mut not) = (Vec::new(), 0, 0);
+        for k in 0..200 {
+            let jnd = 0.25 * 6.4_f64.powf(f64::from(k) / 199.0);
+            let observer = Observer::with_jnd(&Stimulus::REFERENCE, jnd, 0.005 * f64::from(k % 5));
+            let fit = Fit::new(&levels(ask(&observer, jnd, &mut rng))).expect("answers");
+            match fit.threshold {
+                Threshold::Estimated { jnd: found, ci95 } => {
+                    ratios.push((found / jnd).ln());
+                    inside += usize::from(ci95.0 <= jnd && jnd <= ci95.1);
+                }
+                _ => not += 1,
+            }
+        }
+        let n = ratios.len() as f64;
+        let mean = ratios.iter().sum::<f64>() / n;
+        let spread = (ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let (bias, covered) = (mean.exp_m1(), inside as f64 / n);
+        println!(
+            "{what}: {n} of 200 observers estimated ({not} not), bias {:+.2} %, spread {:.1} %, 95 % interval covers {:.1} %",
+            100.0 * bias,
+            100.0 * spread,
+            100.0 * covered
+        );
+        Recovered { bias, covered, spread, not }
+    }
+
+    fn say(observer: &Observer, x: f64, rng: &mut ChaCha8Rng) -> (f64, bool) {
+        (
+            x,
+            rng.random_bool(
+                observer.p_correct(&Stimulus::REFERENCE, &Stimulus::REFERENCE.with_levels(2.0 + x, 2.0 + x)),
+            ),
+        )
+    }
+
+    #[test]
+    fn two_hundred_observers_of_known_jnd_constant_stimuli() {
+        for seed in [101, 202] {
+            let found = recover("constant stimuli, 7 levels × 40", seed, |observer, _, rng| {
+                let differences = (0..7).map(|k| 0.1 * 50.0_f64.powf(f64::from(k) / 6.0));
+                differences.flat_map(|x| (0..40).map(|_| say(observer, x, rng)).collect::<Vec<_>>()).collect()
+            });
+            assert!(found.not <= 4, "{} not estimated", found.not);
+            assert!(found.bias.abs() < 0.05, "bias {}", found.bias);
+            assert!((0.90..=0.98).contains(&found.covered), "coverage {}", found.covered);
+        }
+    }
+
+    #[test]
+    fn quest_plus_needs_fewer_answers() {
+        let quest = recover("QUEST+, 80 answers", 303, |observer, _, rng| {
+            let mut quest = QuestPlus::new((0.02, 6.0));
+            let mut answers = Vec::new();
+            for _ in 0..80 {
+                let (x, right) = say(observer, quest.next(), rng);
+                quest.answer(x, right);
+                answers.push((x, right));
+            }
+            answers
+        });
+        let constant = |each: usize| {
+            recover(
+                &format!("constant stimuli over the same range, 8 levels × {each}"),
+                303,
+                |observer, _, rng| {
+                    let differences = (0..8).map(|k| 0.02 * 300.0_f64.powf(f64::from(k) / 7.0));
+                    differences
+                        .flat_map(|x| (0..each).map(|_| say(observer, x, rng)).collect::<Vec<_>>())
+                        .collect()
+                },
+            )
+        };
+        let (same, twice) = (constant(10), constant(20));
+        assert!(quest.bias.abs() < 0.05, "bias {}", quest.bias);
+        assert!(quest.covered >= 0.90 && quest.not <= 20);
+        assert!(
+            quest.spread < 0.85 * same.spread && quest.spread < 1.1 * twice.spread,
+            "about half the answers"
+        );
+    }
+
+    #[test]
+    fn levels_that_do_not_reach_the_jnd_give_no_estimate() {
+        // as batch 2: nobody gets three of four right
+        let of = |shares: &[(f64, u32)]| {
+            let all: Vec<Level> =
+                shares.iter().map(|&(x, correct)| Level { difference_n: x, correct, answers: 38 }).collect();
+            Fit::new(&all).expect("a fit").threshold
+        };
+        let short = of(&[(0.2, 19), (0.6, 20), (1.0, 22), (1.5, 23), (2.0, 25)]);
+        println!("{short:?}");
+        assert!(
+            matches!(short, Threshold::AboveLevels { largest, at_least } if largest == 2.0 && at_least > 1.0)
+        );
+        let easy = of(&[(0.5, 37), (1.0, 38), (2.0, 38)]);
+        println!("{easy:?}");
+        assert!(matches!(easy, Threshold::BelowLevels { smallest, .. } if smallest == 0.5));
+        let reached = of(&[(0.05, 20), (0.1, 22), (0.2, 24), (0.5, 33), (1.0, 38)]);
+        println!("{reached:?}");
+        assert!(matches!(reached, Threshold::Estimated { jnd, .. } if (0.2..0.5).contains(&jnd)));
+        let few = [Level { difference_n: 0.3, correct: 1, answers: 2 }];
+        assert_eq!(Fit::new(&few).map(|fit| fit.threshold), Some(Threshold::TooFew));
+        assert_eq!(Fit::new(&[]), None);
+    }
+}
