@@ -44,7 +44,9 @@ function state(now) {
   device.textContent = now.connected ? `${now.sim ? "virtual device" : now.port}` : "no device";
   device.title = now.version;
   $("absent").hidden = now.connected || now.absent === "connecting";
-  $("absent").textContent = `No device on ${now.port}: ${now.absent}. It is looked for every second; finished trials and recordings are kept.`;
+  $("absent").textContent = now.unheard
+    ? "The lab does not answer: `tribos lab` has ended, or its machine sleeps. This page comes back with it; finished trials and recordings are kept."
+    : `No device on ${now.port}: ${now.absent}. It is looked for every second; finished trials and recordings are kept.`;
   const mode = $("mode");
   mode.textContent = now.connected ? `${now.mode}${now.mode === "rendering" ? ` ${now.preset}` : ""}` : "";
   mode.className = `chip ${now.mode === "fault" ? "bad" : now.mode === "idle" ? "" : "on"}`;
@@ -133,7 +135,7 @@ wire.on("state", state);
 wire.on("said", ({ tone, about, text }) => say(tone, text, about));
 wire.on("closed", () => {
   say("error", "the lab has gone away; this page waits for it. Finished trials and recordings are kept.");
-  if (known) state({ ...known, connected: false, armed: false, mode: "idle", absent: "the lab itself does not answer" });
+  if (known) state({ ...known, connected: false, armed: false, mode: "idle", unheard: true });
 });
 wire.on("open", () => { ring.next = null; });
 

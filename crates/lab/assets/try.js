@@ -113,7 +113,7 @@ export function state(next) {
   $("stage-title").textContent = now.targets ? (now.targets.practice ? "Targeting, practice" : "Targeting") : now.cases ? "Which one differs from the baseline?" : "Done";
   $("stage-progress").textContent = `${Math.min(now.done + 1, now.of)} of ${now.of}`;
   $("stage-last").textContent = now.last;
-  $("stage-waits").textContent = known.connected ? now.waits : `The device is gone: ${known.absent}. Finished trials are kept; this one begins anew.`;
+  $("stage-waits").textContent = known.connected ? now.waits : `${known.unheard ? "The lab does not answer" : `The device is gone: ${known.absent}`}. Finished trials are kept; this one begins anew.`;
   $("stage-fault").hidden = !known.fault;
   if (known.fault) $("stage-fault").textContent = `Force is off. ${known.fault.says}.`;
   const cases = $("stage-cases");

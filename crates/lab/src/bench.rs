@@ -169,7 +169,6 @@ impl Bench {
                 for (line, about) in [
                     ("stop", About::Page("stop")),
                     ("version", About::Version),
-                    ("stream on", About::Stream),
                     ("preset list", About::Presets),
                     ("get", About::Get),
                 ] {

@@ -23,8 +23,13 @@ fn download(name: &str, kind: &'static str, bytes: Vec<u8>) -> Response {
 /// `rec-001.csv` as it is, `rec-001.mcap` made of it.
 pub(super) async fn recording(State(app): State<App>, Path(name): Path<String>) -> Response {
     if is_name(&name, ".csv") || is_name(&name, ".jsonl") {
+        let kind = if name.ends_with(".csv") {
+            "text/csv; charset=utf-8"
+        } else {
+            "application/jsonl; charset=utf-8"
+        };
         return match std::fs::read(app.folder.join(&name)) {
-            Ok(bytes) => download(&name, "text/csv; charset=utf-8", bytes),
+            Ok(bytes) => download(&name, kind, bytes),
             Err(_) => not_there(&name),
         };
     }

@@ -213,12 +213,14 @@ fn what_is_finished_survives_the_death_of_server_browser_and_device() {
 }
 
 /// A device behind a pseudo-terminal; dropping it is pulling its cable.
+#[cfg(unix)]
 struct Cable {
     name: String,
     pulled: std::sync::Arc<std::sync::atomic::AtomicBool>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
+#[cfg(unix)]
 impl Cable {
     fn plug() -> Self {
         use serialport::{SerialPort, TTYPort};
@@ -253,6 +255,7 @@ impl Cable {
     }
 }
 
+#[cfg(unix)]
 impl Drop for Cable {
     fn drop(&mut self) {
         self.pulled.store(true, std::sync::atomic::Ordering::SeqCst);
@@ -262,6 +265,7 @@ impl Drop for Cable {
     }
 }
 
+#[cfg(unix)]
 #[test]
 fn a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept() {
     let Some(chromium) = chromium("a pulled cable") else { return };
