@@ -51,10 +51,10 @@ pub fn paint_and_latency(page: &mut Page) {
           offsets.sort((a, b) => a[0] - b[0]); const offset = offsets[0][1]; \
           const shown = []; let clock = 0; wire.on('samples', (batch) => { clock = batch.clock; }); \
           await new Promise((done) => { let last = 0; const look = () => { if (clock !== last && scope.newestDrawn === ring.newest) { last = clock; shown.push(performance.now() + offset - clock); } shown.length < 120 ? requestAnimationFrame(look) : done(); }; look(); }); \
-          const touch = []; for (let k = 0; k < 10; k++) { const from = ring.at('position', ring.end - 1), to = from > 0 ? -0.008 : 0.008; \
+          const touch = []; for (let k = 0; k < 6; k++) { const from = ring.at('position', ring.end - 1), to = from > 0 ? -0.008 : 0.008; \
             const began = performance.now(); wire.ask({ do: 'hand', at: to }); \
             await new Promise((done) => { const look = () => { const i = ring.nearest(scope.newestDrawn); Math.abs(ring.at('position', i) - from) > 1e-4 ? done() : requestAnimationFrame(look); }; look(); }); \
-            touch.push(performance.now() - began); await sleep(250); } \
+            touch.push(performance.now() - began); await sleep(700); } \
           wire.ask({ do: 'hand', at: null }); \
           const at = (list, share) => [...list].sort((a, b) => a - b)[Math.floor(share * (list.length - 1))]; \
           return { ping: offsets[0][0], shown: [at(shown, 0.5), at(shown, 0.95)], touch: [at(touch, 0.5), at(touch, 0.95)], cost: scope.cost }; })()",
