@@ -75,6 +75,7 @@ function done(result) {
     bar.append(b);
   };
   if (result.report) button("Open the report", () => beside(result.report));
+  for (const table of result.tables) bar.append(link(table, table.replace(/^.*?-(?=[a-z_]+\.csv$)/, "")));
   if (result.preset.length) button("Feel what was found", () => fill(result.preset));
 }
 
@@ -84,6 +85,7 @@ export function state(known) {
   $("record").querySelector("span").textContent = known.recording === null ? "Record" : `End (${(known.recording * known.period).toFixed(1)} s)`;
   recordings(known.recordings);
   buttons();
+  $("results").hidden = !known.job && !known.done;
   $("job").hidden = !known.job;
   if (known.job) {
     $("job").querySelector("progress").value = known.job.share;
@@ -92,7 +94,7 @@ export function state(known) {
   done(known.done);
   // a report that came while this page was open shows itself, once
   const report = known.done?.report ?? null;
-  if (reported !== null && report && report + known.done.text !== reported) { $("tab-data").click(); beside(report); }
+  if (reported !== null && report && report + known.done.text !== reported) beside(report);
   reported = report ? report + known.done.text : "";
   $("block").hidden = $("hand-bar").hidden = !known.sim;
 }

@@ -44,9 +44,13 @@ function sessions(list) {
     a.href = `/recordings/${encodeURIComponent(name)}`;
     a.download = name;
     a.textContent = name.replace(".jsonl", "");
-    const cells = [a, subject, `${done} of ${of}`].map((content, k) => {
+    const box = document.createElement("input");
+    Object.assign(box, { type: "checkbox", checked: done > 0, value: name });
+    box.setAttribute("aria-label", `analyse ${name}`);
+    box.addEventListener("change", chosen);
+    const cells = [box, a, subject, `${done} of ${of}`].map((content, k) => {
       const td = document.createElement("td");
-      if (k === 2) td.className = "n";
+      if (k === 3) td.className = "n";
       td.append(content);
       return td;
     });
@@ -61,6 +65,14 @@ function sessions(list) {
     tr.append(...cells, last);
     return tr;
   }));
+  chosen();
+}
+
+/** Sessions that are to be analysed. */
+function chosen() {
+  const names = [...$("sessions").querySelectorAll("input:checked")].map((box) => box.value);
+  $("analyse").disabled = !names.length || Boolean(known?.job);
+  return names;
 }
 
 function fullScreen() {
@@ -106,6 +118,7 @@ export function state(next) {
   const opened = next.experiment && !now;
   now = next.experiment;
   sessions(next.sessions);
+  chosen();
   $("stage").hidden = !now;
   // a page nobody can reach with the tabulator lies behind
   for (const behind of document.querySelectorAll("body > header, body > main")) behind.inert = Boolean(now);
@@ -223,6 +236,7 @@ export function start(samples) {
   });
   addEventListener("keydown", key);
   $("leave").addEventListener("click", leave);
+  $("analyse").addEventListener("click", () => wire.ask({ do: "analyse", sessions: chosen() }));
   $("begin").elements.batches.addEventListener("change", (event) => {
     const own = $("begin").elements.own;
     own.hidden = event.target.value !== "own";

@@ -29,7 +29,7 @@ pub struct Listed {
 /// Something that takes a while.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Job {
-    /// `identify` or `diagnose`.
+    /// `identify`, `diagnose` or `analyse`.
     pub kind: &'static str,
     /// On what.
     pub of: String,
@@ -42,7 +42,7 @@ pub struct Job {
 /// What an analysis gave.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Done {
-    /// `identify` or `diagnose`.
+    /// `identify`, `diagnose` or `analyse`.
     pub kind: &'static str,
     /// On what.
     pub of: String,
@@ -54,6 +54,8 @@ pub struct Done {
     pub report: Option<String>,
     /// What it found, as a preset.
     pub preset: Vec<(String, String)>,
+    /// Tables to download.
+    pub tables: Vec<String>,
 }
 
 /// Everything a page shows besides samples.

@@ -87,6 +87,11 @@ pub enum Ask {
         /// Their names.
         recordings: Vec<String>,
     },
+    /// Analyses sessions of the folder.
+    Analyse {
+        /// Their files.
+        sessions: Vec<String>,
+    },
     /// Opens a session of the targeting task.
     BeginTargeting {
         /// Label of the subject.

@@ -11,6 +11,8 @@ pub struct Found {
     pub text: String,
     /// Parameters as a preset, ready to be set: name and value.
     pub preset: Vec<(String, String)>,
+    /// Tables that were written beside the report, by name.
+    pub tables: Vec<String>,
 }
 
 /// How far an analysis is, 0 to 1, and what it does.
@@ -59,6 +61,12 @@ pub trait Tools: Send + Sync {
         report: &Path,
         progress: Progress<'_>,
     ) -> Result<Found, String>;
+
+    /// Analyses sessions of experiments, writes a report, and tidy tables beside it, whose names begin as the report's.
+    ///
+    /// # Errors
+    /// What is wrong with the sessions.
+    fn analyse(&self, sessions: &[PathBuf], report: &Path, progress: Progress<'_>) -> Result<Found, String>;
 
     /// Writes a recording anew as MCAP.
     ///

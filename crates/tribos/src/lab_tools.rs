@@ -1,6 +1,7 @@
 //! What the lab asks of the host command: a line to the device, recordings, analyses.
 
-use crate::commands::{diagnose as diagnosing, identify as identifying};
+use crate::commands::{diagnose as diagnosing, experiment as experimenting, identify as identifying};
+use crate::experiment;
 use crate::failure::{Failure, Result};
 use crate::options::Mapping;
 use crate::raw::Point;
@@ -139,7 +140,7 @@ impl Tools for HostTools {
         progress(0.1, "fitting");
         let (text, html, model) = identifying::by_defaults(recordings).map_err(words)?;
         files::write(report, html.as_bytes()).map_err(words)?;
-        Ok(Found { text, preset: model.preset_lines() })
+        Ok(Found { text, preset: model.preset_lines(), ..Found::default() })
     }
 
     fn diagnose(
@@ -156,7 +157,28 @@ impl Tools for HostTools {
         let name = train.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
         files::write(report, diagnose::report::html(&found, &name).as_bytes()).map_err(words)?;
         let preset = found.model.as_ref().map(identify::Model::preset_lines).unwrap_or_default();
-        Ok(Found { text: diagnosing::outline(&name, &found), preset })
+        Ok(Found { text: diagnosing::outline(&name, &found), preset, ..Found::default() })
+    }
+
+    fn analyse(
+        &self,
+        sessions: &[PathBuf],
+        report: &Path,
+        progress: Progress<'_>,
+    ) -> std::result::Result<Found, String> {
+        progress(0.1, "fitting");
+        let sessions = experiment::read(sessions).map_err(words)?;
+        let analysis = experiment::analyse(&sessions, perception::Margins::THESIS);
+        let html = experiment::html(&analysis).map_err(words)?;
+        files::write(report, html.as_bytes()).map_err(words)?;
+        let stem = report.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut tables = Vec::new();
+        for (name, table) in experiment::tables(&sessions, &analysis) {
+            let name = format!("{stem}-{name}");
+            files::write(&report.with_file_name(&name), table.as_bytes()).map_err(words)?;
+            tables.push(name);
+        }
+        Ok(Found { text: experimenting::text(&analysis), tables, ..Found::default() })
     }
 
     fn to_mcap(&self, recording: &Path, out: &Path) -> std::result::Result<(), String> {

@@ -14,7 +14,7 @@ impl Bench {
             return Err("one analysis is running: wait for it".into());
         }
         let paths = self.paths(names)?;
-        let first = names.first().map_or("", |name| name.trim_end_matches(".csv"));
+        let first = names.first().map_or("", |name| name.trim_end_matches(".csv").trim_end_matches(".jsonl"));
         let more = if names.len() > 1 { format!("-and-{}", names.len() - 1) } else { String::new() };
         let report = format!("{kind}-{first}{more}.html");
         let of = names.join(", ");
@@ -33,6 +33,7 @@ impl Bench {
             };
             let found = match kind {
                 "identify" => tools.identify(&paths, &file, &progress),
+                "analyse" => tools.analyse(&paths, &file, &progress),
                 _ => tools.diagnose(&paths, &file, &progress),
             };
             let done = match found {
@@ -43,8 +44,17 @@ impl Bench {
                     failed: false,
                     report: Some(report),
                     preset: found.preset,
+                    tables: found.tables,
                 },
-                Err(why) => Done { kind, of, text: why, failed: true, report: None, preset: Vec::new() },
+                Err(why) => Done {
+                    kind,
+                    of,
+                    text: why,
+                    failed: true,
+                    report: None,
+                    preset: Vec::new(),
+                    tables: Vec::new(),
+                },
             };
             let _ = own.send(ToBench::Finished(Box::new(done)));
         };

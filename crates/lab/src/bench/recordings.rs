@@ -159,17 +159,22 @@ impl Bench {
         self.shared.known(|known| known.recordings = listed);
     }
 
-    /// Files of these recordings.
+    /// Files of these recordings or sessions.
     pub(super) fn paths(&self, names: &[String]) -> Result<Vec<PathBuf>, String> {
         if names.is_empty() {
-            return Err("choose one recording at least".into());
+            return Err("choose one at least".into());
         }
-        let known = self.shared.known(|known| known.recordings.clone());
+        let known: Vec<String> = self.shared.known(|known| {
+            let recordings = known.recordings.iter().map(|listed| &listed.name);
+            recordings.chain(known.sessions.iter().map(|begun| &begun.name)).cloned().collect()
+        });
         names
             .iter()
             .map(|name| {
-                let there = known.iter().any(|listed| listed.name == *name);
-                there.then(|| self.folder.join(name)).ok_or_else(|| format!("no recording `{name}`"))
+                let there = known.contains(name);
+                there
+                    .then(|| self.folder.join(name))
+                    .ok_or_else(|| format!("no recording or session `{name}`"))
             })
             .collect()
     }

@@ -9,7 +9,8 @@ use haptics::{Excitation, Wave};
 
 impl Bench {
     pub(super) fn asked(&mut self, ask: Ask) {
-        let without = matches!(ask, Ask::Identify { .. } | Ask::Diagnose { .. } | Ask::Leave);
+        let without =
+            matches!(ask, Ask::Identify { .. } | Ask::Diagnose { .. } | Ask::Analyse { .. } | Ask::Leave);
         if self.device.is_none() && !without {
             return self.say(Tone::Refused, "device", "no device is connected");
         }
@@ -92,6 +93,7 @@ impl Bench {
             Ask::Diagnose { recordings } => {
                 self.analyse("diagnose", &recordings).map_err(|why| ("diagnose", why))
             }
+            Ask::Analyse { sessions } => self.analyse("analyse", &sessions).map_err(|why| ("analyse", why)),
             Ask::BeginTargeting { subject, seed, practice } => {
                 self.begin_targeting(&subject, seed, practice).map_err(|why| ("experiment", why))
             }

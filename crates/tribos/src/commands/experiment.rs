@@ -151,7 +151,8 @@ fn analyse(args: &Analyse) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn text(a: &Analysis) -> String {
+/// The analysis as people read it.
+pub(crate) fn text(a: &Analysis) -> String {
     let mut out = String::new();
     let n = a.subjects.len();
     if a.simulated {

@@ -149,9 +149,28 @@ fn a_segment_of_targeting_and_a_batch_of_forced_choice_by_script() {
         answers.len() == 10
             && answers.iter().all(|trial| trial.batch == "batch 1" && trial.visits == [1, 1, 1])
     );
-    // the first case that differs was on the handle: the device itself says so
+    // what a subject's browser is told holds neither levels nor the right answer: the device itself says so
     let told = page.eval("JSON.stringify(lab.known.experiment)");
     assert!(!told.as_str().is_some_and(|text| text.contains("different") || text.contains("f_static")));
+    // the analysis of `tribos experiment analyse`, from the page
+    page.eval("document.querySelector('#leave').click()");
+    page.until("left", "!lab.known.experiment", 5);
+    page.eval("document.querySelector('#analyse').click()");
+    page.until("it is analysed", "lab.known.done && lab.known.done.kind === 'analyse'", 40);
+    let done = page.eval("lab.known.done");
+    println!("{}", done["text"].as_str().unwrap_or_default());
+    assert!(
+        done["failed"] == json!(false) && done["text"].as_str().is_some_and(|text| text.contains("batch 1"))
+    );
+    page.until("its report is open beside", "!document.querySelector('#beside').hidden", 5);
+    page.picture("analysis");
+    let tables = done["tables"].as_array().expect("tables").clone();
+    for table in &tables {
+        let table = table.as_str().expect("a name");
+        let head = lab.get(&format!("/recordings/{table}"), "");
+        assert!(head.starts_with("HTTP/1.1 200") && head.contains("subject,"), "{table}");
+    }
+    println!("{} tidy tables", tables.len());
 }
 
 #[test]
