@@ -1,6 +1,6 @@
 //! The lab as somebody with bad intentions meets it.
 
-use crate::browser::Lab;
+use crate::browser::{Lab, Page, chromium};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
@@ -209,4 +209,48 @@ fn malformed_messages_crash_nothing(rounds: u32) {
     wait_for(&mut socket, "a device without force", |m| m["is"] == "state" && m["mode"] == "idle");
     let before = std::fs::read_dir(folder.path()).expect("the folder").count();
     assert_eq!(before, 1, "nothing was written outside the lab's folder");
+}
+
+/// A web site of somebody else, on this machine: answers every request with an empty page.
+fn somebody_elses_site() -> String {
+    use std::io::{Read, Write};
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = format!("http://{}/", listener.local_addr().expect("its address"));
+    std::thread::spawn(move || {
+        for mut stream in listener.incoming().map_while(Result::ok) {
+            let mut request = [0; 2048];
+            let _ = stream.read(&mut request);
+            let page =
+                "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\nConnection: close\r\n\r\n<title>evil</title>";
+            let _ = stream.write_all(page.as_bytes());
+        }
+    });
+    address
+}
+
+#[test]
+fn a_malicious_page_in_a_real_browser_gets_nothing() {
+    let Some(chromium) = chromium("a malicious page") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = lab(&folder);
+    let mut page = Page::open(&chromium, &somebody_elses_site(), (800, 600));
+    page.until("the evil page", "document.title === 'evil'", 10);
+    let got = page.eval(&format!(
+        "(async () => {{ const lab = 'http://{0}'; const out = {{}}; \
+          out.socket = await new Promise((r) => {{ const s = new WebSocket('ws://{0}/socket'); s.onopen = () => {{ s.send('{{\"do\":\"arm\"}}'); r('open'); }}; s.onerror = () => r('refused'); }}); \
+          for (const mode of ['cors', 'no-cors']) out[mode] = await fetch(lab + '/assets/main.js', {{ mode }}).then(async (a) => (await a.text()).length, () => 'refused'); \
+          out.script = await new Promise((r) => {{ const s = document.createElement('script'); s.src = lab + '/assets/uPlot.js'; s.onload = () => r(typeof uPlot); s.onerror = () => r('refused'); document.head.append(s); }}); \
+          out.frame = await new Promise((r) => {{ const f = document.createElement('iframe'); f.src = lab + '/'; f.onload = () => {{ try {{ r(f.contentDocument ? 'readable' : 'closed'); }} catch {{ r('closed'); }} }}; document.body.append(f); }}); \
+          return out; }})()",
+        lab.host()
+    ));
+    println!("what another origin gets: {got}");
+    assert_eq!(got["socket"], json!("refused"));
+    assert_eq!(got["cors"], json!("refused"));
+    assert!(got["no-cors"] == json!("refused") || got["no-cors"] == json!(0), "{got}");
+    assert_eq!(got["script"], json!("refused"));
+    assert_eq!(got["frame"], json!("closed"));
+    let mut socket = own_socket(&lab);
+    let state = wait_for(&mut socket, "the state", |m| m["is"] == "state" && m["connected"] == true);
+    assert_eq!((&state["armed"], &state["mode"]), (&json!(false), &json!("idle")), "nothing was commanded");
 }

@@ -112,3 +112,31 @@ fn the_trace_is_live_at_1_khz_and_rubber_feels_like_rubber() {
 fn the_trace_is_live_for_a_minute() {
     trace_is_live(60);
 }
+
+#[test]
+fn a_fault_is_told_in_plain_words_and_cleared_from_the_page() {
+    let Some(chromium) = chromium("a fault on the page") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = Lab::start(folder.path(), &["sim"]);
+    let mut page = Page::of(&lab, &chromium, (1400, 950));
+    page.eval("document.querySelector('#arm').click()");
+    page.until("force on", "lab.known.mode === 'rendering'", 10);
+    // a hand that is faster than the device allows
+    page.eval("lab.wire.ask({ do: 'hand_sine', amplitude: 0.015, frequency: 10 })");
+    page.until("the fault", "lab.known.fault && !document.querySelector('#fault').hidden", 10);
+    let said = page.eval("document.querySelector('#fault').textContent");
+    println!("{said}");
+    assert!(
+        said.as_str().is_some_and(|text| text.contains("Force is off") && text.contains("Clear the fault"))
+    );
+    assert!(
+        page.eval("lab.known.mode === 'fault' && document.querySelector('#arm').disabled")
+            .as_bool()
+            .unwrap_or(false)
+    );
+    page.picture("fault");
+    page.eval("lab.wire.ask({ do: 'hand', at: null })");
+    page.until("the handle rests", "Math.abs(lab.ring.at('velocity', lab.ring.end - 1)) < 0.002", 10);
+    page.eval("document.querySelector('#clear').click()");
+    page.until("cleared", "lab.known.mode === 'idle' && document.querySelector('#fault').hidden", 10);
+}
