@@ -75,7 +75,7 @@ export class Scope {
         },
         axes: [
           { ...axis, size: 26, values: (_, ticks) => ticks.map((t) => `${+t.toFixed(4)} s`) },
-          { ...axis, size: 48 },
+          { ...axis, size: 52, values: (_, ticks) => ticks.map((y) => `${+y.toFixed(4)}`) },
         ],
         series: [{}, ...spec.channels.map(([, colour], c) => ({
           stroke: css(colour), width: c ? 1.5 : 1.25, dash: c ? [5, 4] : undefined, points: { show: false }, scale: "y",

@@ -182,6 +182,8 @@ impl Known {
             },
         });
         let news = mode != self.mode || fault != self.fault;
+        // after a fault somebody has to arm it anew
+        self.armed &= fault.is_none();
         (self.mode, self.fault) = (mode, fault);
         news
     }
@@ -207,7 +209,9 @@ mod tests {
         assert_eq!(known.parameter("stribeck.force_p").map(|p| p.value.as_str()), Some("0.2"));
         known.listing(&["  k_vc 9000 N/m".into()]);
         assert!(known.parameter("stribeck.force_p").is_none(), "what is not listed is not there");
+        known.armed = true;
         assert!(known.state(4, 1));
+        assert!(!known.armed, "a fault takes the arming back");
         assert!(!known.state(4, 1));
         assert!(known.fault.as_ref().is_some_and(|f| f.says.contains("faster")));
     }

@@ -139,4 +139,10 @@ fn a_fault_is_told_in_plain_words_and_cleared_from_the_page() {
     page.until("the handle rests", "Math.abs(lab.ring.at('velocity', lab.ring.end - 1)) < 0.002", 10);
     page.eval("document.querySelector('#clear').click()");
     page.until("cleared", "lab.known.mode === 'idle' && document.querySelector('#fault').hidden", 10);
+    let arm = page.eval("[lab.known.armed, document.querySelector('#arm').textContent]");
+    assert_eq!(
+        arm,
+        serde_json::json!([false, "Arm: force on"]),
+        "after a fault it is armed anew, or not at all"
+    );
 }
