@@ -89,7 +89,8 @@ export class Ring {
       const end = Math.min(last, Math.max(i + 1, this.find((column + 1) * width)));
       const t = column * width;
       if (i > first && this.time[i & MASK] - this.time[(i - 1) & MASK] > Math.max(gap, width)) {
-        out[0].push(this.time[(i - 1) & MASK] + 1e-6); names.forEach((_, c) => out[c + 1].push(null));
+        out[0].push(out[0].at(-1) + 1e-6); // after the last column, before this one: times never fall
+        names.forEach((_, c) => out[c + 1].push(null));
       }
       out[0].push(t, t + 0.5 * width);
       names.forEach((name, c) => {

@@ -146,3 +146,33 @@ fn a_fault_is_told_in_plain_words_and_cleared_from_the_page() {
         "after a fault it is armed anew, or not at all"
     );
 }
+
+#[test]
+fn a_picture_of_a_minute_shows_the_one_sample_that_stands_out_and_the_gap() {
+    let Some(chromium) = chromium("the decimation") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = Lab::start(folder.path(), &["sim"]);
+    let mut page = Page::of(&lab, &chromium, (1000, 700));
+    let seen = page.eval(
+        "(() => { const r = new lab.ring.constructor(); r.clear(1, 0.001); \
+          const batch = (from, count) => { const view = new DataView(new ArrayBuffer(16 + 32 * count)); \
+            for (let k = 0; k < count; k++) { const i = from + k; view.setFloat64(16 + 32 * k, i * 0.001, true); \
+              view.setFloat32(24 + 32 * k, i === 12345 ? 7 : i === 23456 ? -5 : 0.001 * (i % 2), true); } \
+            return { view, epoch: 1, count, number: from / 1000, lost: 0 }; }; \
+          for (let from = 0; from < 60000; from += 1000) if (from < 40000 || from >= 43000) r.push(batch(from, 1000)); \
+          const [t, x] = r.picture(['position'], 0, 60, 800); const real = x.filter((v) => v !== null); \
+          const gap = x.indexOf(null); \
+          return { points: t.length, high: Math.max(...real), low: Math.min(...real), gaps: x.length - real.length, \
+            gap: t[gap], rising: t.every((v, k) => !k || v >= t[k - 1]), skipped: r.skipped, \
+            sawtooth: real.filter((v) => Math.abs(v - 0.001) < 1e-6).length }; })()",
+    );
+    println!("57 000 samples, 800 columns: {seen}");
+    assert!(seen["points"].as_f64().is_some_and(|points| points <= 1_602.0));
+    assert_eq!((&seen["high"], &seen["low"]), (&serde_json::json!(7), &serde_json::json!(-5)));
+    assert_eq!((&seen["gaps"], &seen["rising"]), (&serde_json::json!(1), &serde_json::json!(true)));
+    assert!(seen["gap"].as_f64().is_some_and(|t| (t - 40.0).abs() < 0.075), "the gap is where it was");
+    // 3 000 samples were never sent: three batches of a thousand
+    assert_eq!(seen["skipped"], serde_json::json!(3));
+    // what alternates from sample to sample keeps its height in every column
+    assert!(seen["sawtooth"].as_f64().is_some_and(|n| n > 700.0));
+}
