@@ -27,7 +27,8 @@ const DT: f64 = 1e-3;
 const PATIENCE: f64 = 120.0;
 
 /// What a simulated hand is made of. The defaults are round numbers of the size that the literature on reaching reports
-/// for a wrist and forearm; they were set before any result was looked at and are not fitted to the thesis.
+/// for a wrist and forearm. They are not fitted to the thesis: what was changed once, stiffness, damping and the shortest
+/// submovement, was changed because the hand never finished a segment, before any two resistances were compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandModel {
     /// Mass that moves with the handle, kg.

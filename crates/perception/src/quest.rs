@@ -35,10 +35,23 @@ pub struct QuestPlus {
     range: (f64, f64),
     differences: Vec<f64>,
     jnds: Vec<f64>,
-    /// Probability of the right answer, by difference and then by hypothesis.
-    right: Vec<Vec<f64>>,
+    /// Of the right answer and of the wrong one, by difference and then by hypothesis.
+    chances: Vec<Vec<[Chance; 2]>>,
     /// By hypothesis: JND slowest.
     posterior: Vec<f64>,
+}
+
+/// A probability and its logarithm, which would be taken a million times a session otherwise.
+#[derive(Debug, Clone, Copy)]
+struct Chance {
+    p: f64,
+    ln: f64,
+}
+
+impl Chance {
+    fn new(p: f64) -> Self {
+        Self { p, ln: p.ln() }
+    }
 }
 
 /// `n` numbers from `low` to `high`, each the same factor above the last.
@@ -64,33 +77,41 @@ impl QuestPlus {
             }
         }
         normalise(&mut posterior);
-        let right =
-            differences.iter().map(|&x| hypotheses.iter().map(|h| h.p(x)).collect::<Vec<_>>()).collect();
-        Self { range, differences, jnds, right, posterior }
+        let chances = |x: f64| {
+            let both = |h: &Psychometric| {
+                let p = h.p(x);
+                [Chance::new(p), Chance::new(1.0 - p)]
+            };
+            hypotheses.iter().map(both).collect()
+        };
+        let chances = differences.iter().map(|&x| chances(x)).collect();
+        Self { range, differences, jnds, chances, posterior }
     }
 
     /// The difference to present next, N.
     #[must_use]
     pub fn next(&self) -> f64 {
-        let expected = |right: &Vec<f64>| {
+        let logarithms: Vec<f64> = self.posterior.iter().map(|w| w.ln()).collect();
+        let expected = |chances: &[[Chance; 2]]| {
             // Σ over both answers of p(answer)·entropy(posterior | answer), without normalising each of them:
             // with w = posterior·likelihood and W = Σw, W·H = W·ln W − Σ w·ln w
             let (mut sums, mut logs) = ([0.0; 2], [0.0; 2]);
-            for (&p, &weight) in right.iter().zip(&self.posterior) {
-                for (k, w) in [weight * p, weight * (1.0 - p)].into_iter().enumerate() {
+            for ((both, &weight), &ln) in chances.iter().zip(&self.posterior).zip(&logarithms) {
+                for (k, chance) in both.iter().enumerate() {
+                    let w = weight * chance.p;
                     if w > 0.0 {
                         sums[k] += w;
-                        logs[k] += w * w.ln();
+                        logs[k] += w * (ln + chance.ln);
                     }
                 }
             }
             (0..2).filter(|&k| sums[k] > 0.0).map(|k| sums[k] * sums[k].ln() - logs[k]).sum::<f64>()
         };
         let least = self
-            .right
+            .chances
             .iter()
             .zip(&self.differences)
-            .map(|(right, &x)| (expected(right), x))
+            .map(|(chances, &x)| (expected(chances), x))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         least.map_or(self.range.1, |(_, x)| x)
     }
