@@ -5,7 +5,13 @@ use crate::model::Model;
 use crate::sensor_effect::delayed;
 use crate::{Error, Preprocess, Recording, Signals, prepare};
 use friction::effects::EffectState;
-use friction::{DahlState, FrictionLaw, Law, LawState, Motion};
+use friction::{DahlState, FrictionLaw, Karnopp, Law, LawState, Motion};
+use std::borrow::Cow;
+
+/// Standard deviations of a velocity beyond which its direction is known, whatever the filter made of its noise.
+const UNKNOWN: f64 = 8.0;
+/// Share of a band of rest that stays where the velocity is exact.
+const CREEP: f64 = 0.03;
 
 /// A motion on an even grid; equal lengths.
 pub(crate) struct Kinematics<'a> {
@@ -48,13 +54,28 @@ impl Model {
     /// Predicts the force at every sample of prepared signals, N or N·m.
     #[must_use]
     pub fn predict_signals(&self, signals: &Signals) -> Vec<f64> {
-        self.force(&Kinematics {
+        self.narrowed(signals.velocity_error()).force(&Kinematics {
             dt: signals.dt,
             position: &signals.position,
             velocity: &signals.velocity,
             acceleration: &signals.acceleration,
             normal: signals.normal_force.as_deref(),
         })
+    }
+
+    /// The model with a band of rest no wider than the errors of a velocity ask for, whose deviation is `error`.
+    ///
+    /// A band without a static level above sliding friction stands for a direction that was not known. Where the
+    /// velocity is known better than in the recording it was fitted on, so is the direction; what is left of the band
+    /// is for contacts at rest, which creep.
+    fn narrowed(&self, error: f64) -> Cow<'_, Self> {
+        match self.law {
+            Law::Karnopp(k) if k.d_p == k.c_p && k.d_n == k.c_n && k.delta_v > UNKNOWN * error => {
+                let delta_v = (UNKNOWN * error).max(CREEP * k.delta_v);
+                Cow::Owned(Self { law: Law::Karnopp(Karnopp { delta_v, ..k }), ..self.clone() })
+            }
+            _ => Cow::Borrowed(self),
+        }
     }
 
     /// Force that the force channel would show, N or N·m, at every sample of a motion.

@@ -84,6 +84,11 @@ struct Rows {
 }
 
 impl Signals {
+    /// Standard deviation of the velocity's error behind the filter, m/s or rad/s.
+    pub(crate) fn velocity_error(&self) -> f64 {
+        self.errors.0.velocity.sqrt()
+    }
+
     /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
