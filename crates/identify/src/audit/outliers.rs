@@ -2,7 +2,7 @@
 
 use super::{FaultKind, RecordingFault};
 use crate::Recording;
-use crate::noise::quantum;
+use crate::noise::{noise_variance, quantum};
 
 /// Distance from the median of five that counts, in standard deviations of that distance.
 const FAR: f64 = 12.0;
@@ -47,6 +47,34 @@ fn outliers(series: &[f64]) -> Vec<usize> {
         .collect()
 }
 
+/// Standard deviations by which a spike must contradict the position.
+const CONTRADICTS: f64 = 4.0;
+
+/// Samples of the acceleration that no body had: friction that lets go or catches does accelerate one for a
+/// millisecond, and then the velocity has changed by as much.
+fn unmoved(recording: &Recording, acceleration: &[f64]) -> Vec<usize> {
+    let (time, position) = (&recording.time, &recording.position);
+    let noise = noise_variance(position).sqrt();
+    let own = noise_variance(acceleration).sqrt();
+    outliers(acceleration)
+        .into_iter()
+        .filter(|&i| {
+            let (Some(before), Some(after)) = (i.checked_sub(4), position.get(i + 4)) else { return true };
+            let dt = (time[i + 4] - time[before]) / 8.0;
+            let change = (after - position[i + 1] - position[i - 1] + position[before]) / (3.0 * dt);
+            // from the middle of the three samples before to that of the three after
+            let expected: f64 = acceleration[i - 2..=i + 2].iter().sum::<f64>() * dt;
+            let deviation = (2.0 * noise / (3.0 * dt)).hypot(5f64.sqrt() * own * dt);
+            !((change - expected).abs() <= CONTRADICTS * deviation)
+        })
+        .collect()
+}
+
+/// Outliers of a column of the recording.
+fn of_column(recording: &Recording, name: &str, values: &[f64]) -> Vec<usize> {
+    if name.starts_with("acceleration") { unmoved(recording, values) } else { outliers(values) }
+}
+
 /// Channels a sensor measures.
 fn measured(name: &str) -> bool {
     ["position", "velocity", "acceleration", "force", "torque", "normal_force"]
@@ -56,7 +84,7 @@ fn measured(name: &str) -> bool {
 
 pub(super) fn far_from_neighbours(recording: &Recording, out: &mut Vec<RecordingFault>) {
     for (name, values) in recording.columns().into_iter().filter(|(name, _)| measured(name)) {
-        let found = outliers(values);
+        let found = of_column(recording, name, values);
         if let Some(first) = found.first() {
             let share = 100.0 * found.len() as f64 / values.len().max(1) as f64;
             let why = format!(
@@ -73,8 +101,8 @@ pub(super) fn far_from_neighbours(recording: &Recording, out: &mut Vec<Recording
 #[must_use]
 pub fn without_outliers(recording: &Recording) -> Recording {
     let mut out = recording.clone();
-    let mend = |values: &mut Vec<f64>| {
-        for i in outliers(values) {
+    let mend = |name: &str, values: &mut Vec<f64>| {
+        for i in of_column(recording, name, values) {
             let before = values[..i].iter().rposition(|x| x.is_finite());
             // the next that is no outlier: two in a row are the most
             let near = |a: f64, b: f64, c: f64| (a - b).abs() <= (a - c).abs();
@@ -86,10 +114,16 @@ pub fn without_outliers(recording: &Recording) -> Recording {
             }
         }
     };
-    mend(&mut out.position);
-    mend(&mut out.force);
-    for optional in [&mut out.velocity, &mut out.acceleration, &mut out.normal_force].into_iter().flatten() {
-        mend(optional);
+    mend("position", &mut out.position);
+    mend("force", &mut out.force);
+    for (name, optional) in [
+        ("velocity", &mut out.velocity),
+        ("acceleration", &mut out.acceleration),
+        ("normal_force", &mut out.normal_force),
+    ] {
+        if let Some(values) = optional {
+            mend(name, values);
+        }
     }
     out
 }
@@ -100,10 +134,12 @@ mod tests {
 
     #[test]
     fn spikes_are_told_from_steps_peaks_and_noise() {
-        let mut seed = 1u64;
-        let mut noise = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 33) as f64 / 2f64.powi(31) - 0.5
+        let seed = std::cell::Cell::new(1u64);
+        let noise = || {
+            seed.set(
+                seed.get().wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407),
+            );
+            (seed.get() >> 33) as f64 / 2f64.powi(31) - 0.5
         };
         let clean: Vec<f64> = (0..2000)
             .map(|i| {
@@ -123,6 +159,19 @@ mod tests {
         let worst = mended.force.iter().zip(&clean).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("worst sample after mending: {worst:.3}");
         assert!(worst < 0.5 && mended.position == clean);
+        // a jerk of a millisecond is a body's own where the velocity has changed by it, and a bad contact where not
+        let jerk = |velocity_changes: bool| {
+            let a: Vec<f64> = (0..2000).map(|i| if i == 1000 { 300.0 } else { noise() }).collect();
+            let at = |i: i32| if velocity_changes && i > 1000 { 0.3e-3 * f64::from(i - 1000) } else { 0.0 };
+            let recording = Recording {
+                time: (0..2000).map(|i| f64::from(i) * 1e-3).collect(),
+                position: (0..2000).map(|i| at(i) + 2e-6 * noise()).collect(),
+                acceleration: Some(a.clone()),
+                ..Recording::default()
+            };
+            of_column(&recording, "acceleration_m_s2", &a)
+        };
+        assert_eq!((jerk(true), jerk(false)), (vec![], vec![1000]));
         // a plateau is something that lasted
         let mut plateau = clean;
         plateau[700..705].fill(40.0);
