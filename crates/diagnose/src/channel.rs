@@ -32,16 +32,28 @@ pub fn missing(
     let friction = |v: f64| if v > 0.0 { c_p + b_p * v } else { -c_n + b_n * v };
     let mut out = Vec::new();
     if let Some(column) = channel.velocity {
+        let longest = stage.tracks.iter().map(|t| t.raw.dt).fold(0.0, f64::max);
         let cost = cost(stage, seed, |t| {
-            let late = crate::sensor::delayed(&t.v, column.lag.0, t.raw.dt);
-            late.iter().zip(&t.v).map(|(late, v)| friction(*late) - friction(*v)).collect()
+            let shift = |series: &[f64]| crate::sensor::delayed(series, column.lag.0, t.raw.dt);
+            let (late, sign) = (shift(&t.v), shift(&t.sign));
+            // up to a sample is how an estimator is made; a later one turns friction round behind the body
+            let turns = column.lag.0 > longest;
+            (0..t.len())
+                .map(|i| match t.sign[i] * sign[i] > 0.0 {
+                    true => Some(friction(late[i]) - friction(t.v[i])).filter(|_| fast(t, i)),
+                    false => turns.then_some(-t.sign[i] * (c_p + c_n)),
+                })
+                .collect()
         });
         let parameters = vec![("lag", column.lag, "s".to_string())];
         out.extend(cost.and_then(|c| entry("velocity_lag", c, parameters, column.lag)));
     }
     if let Some(column) = channel.acceleration {
         let gain = (column.scale.0 - 1.0, column.scale.1);
-        let cost = cost(stage, seed, |t| t.a.iter().map(|a| mass * (gain.0 * a + column.zero.0)).collect());
+        let cost = cost(stage, seed, |t| {
+            let error = |i: usize| mass * (gain.0 * t.a[i] + column.zero.0);
+            (0..t.len()).map(|i| Some(error(i)).filter(|_| fast(t, i))).collect()
+        });
         let unit = if rotary { "rad/s²" } else { "m/s²" };
         let parameters = vec![("gain", gain, "1".to_string()), ("zero", column.zero, unit.to_string())];
         let surest =
@@ -59,15 +71,18 @@ struct Cost {
     interval: [f64; 2],
 }
 
-/// What the error `of` a track's force does beside the noise of a sample, over samples in motion: at rest the force is
-/// whatever balances.
-fn cost(stage: &Stage, seed: u64, of: impl Fn(&Track) -> Vec<f64>) -> Option<Cost> {
+/// Whether a sample is in motion: at rest the force is whatever balances.
+fn fast(t: &Track, i: usize) -> bool {
+    t.v[i].abs() > 0.5 * t.guard()
+}
+
+/// What the error `of` a track's force does beside the noise of a sample, over the samples at which it is known.
+fn cost(stage: &Stage, seed: u64, of: impl Fn(&Track) -> Vec<Option<f64>>) -> Option<Cost> {
     let samples: usize = stage.tracks.iter().map(Track::len).sum();
     let mut sums = vec![[0.0; 3]; BLOCKS];
     let mut first = 0;
     for t in &stage.tracks {
-        let guard = 0.5 * t.guard();
-        for (i, error) in of(t).into_iter().enumerate().filter(|(i, _)| t.v[*i].abs() > guard) {
+        for (i, error) in of(t).into_iter().enumerate().filter_map(|(i, error)| Some((i, error?))) {
             let block = &mut sums[(first + i) * BLOCKS / samples];
             let noise = t.noise.force * t.noise.force;
             *block = [block[0] + noise + error * error, block[1] + noise, block[2] + 1.0];

@@ -71,11 +71,14 @@ pub(crate) fn channels(history: &History, body: &Body, hidden: &[Hidden]) -> Cha
             "actuator_lag" => force = (0..n).map(|i| history.command[i * FINE]).collect(),
             "time_skew" => force = late(&history.force, g),
             "velocity_lag" => {
-                // a first-order estimator
+                // a first-order estimator, exact for a velocity that is straight between samples
                 let keep = (-1.0 / (RATE * g)).exp();
-                let mut state = w.first().copied().unwrap_or(0.0);
+                let mean = RATE * g * (1.0 - keep);
+                let mut before = w.first().copied().unwrap_or(0.0);
+                let mut state = before;
                 for w in &mut w {
-                    state = *w + (state - *w) * keep;
+                    state = keep * state + (mean - keep) * before + (1.0 - mean) * *w;
+                    before = *w;
                     *w = state;
                 }
             }
