@@ -4,7 +4,7 @@ use crate::design::{elsewhere, movable};
 use crate::flips::block_scores;
 use crate::linear::{Basis, dot};
 use crate::result::{Blind, Rejected};
-use crate::search::{Atom, COLLINEAR, Hypothesis, ROUGH, Search, is_testable};
+use crate::search::{Atom, COLLINEAR, CONCEALED, Hypothesis, ROUGH, Search, is_shown};
 use crate::term::{Stage, TermKind};
 
 /// Effects no motion can separate from another, with that other and the reason.
@@ -74,7 +74,11 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> 
 
 /// Effects this motion, or its sensors, cannot show, each with what would, where that is no motion, or with the effect
 /// at a middling shape, where it may be one.
-pub fn blind(search: &Search, unavailable: &[(&'static str, String)]) -> Vec<(Blind, Option<Atom>)> {
+pub fn blind(
+    search: &Search,
+    found: &Hypothesis,
+    unavailable: &[(&'static str, String)],
+) -> Vec<(Blind, Option<Atom>)> {
     let stage = search.stage;
     let names = [
         "mass",
@@ -102,11 +106,14 @@ pub fn blind(search: &Search, unavailable: &[(&'static str, String)]) -> Vec<(Bl
         }
         let atoms: Vec<&Atom> = search.catalogue.atoms.iter().filter(|a| a.term.kind == kind).collect();
         // none: not to be considered, or part of the baseline already
-        if atoms.is_empty() || atoms.iter().any(|a| is_testable(a)) {
+        if atoms.is_empty()
+            || atoms.iter().any(|a| is_shown(a))
+            || found.atoms.iter().any(|a| a.term.kind == kind)
+        {
             continue;
         }
         let visible = atoms.iter().map(|a| a.visible).fold(0.0, f64::max);
-        let because = if visible >= 0.1 {
+        let because = if visible >= CONCEALED {
             let reliable = atoms.iter().map(|a| a.reliable).fold(f64::NEG_INFINITY, f64::max);
             format!(
                 "sensor noise covers it: only {:.0} % of its signature is signal",
@@ -168,7 +175,7 @@ pub fn rejected(search: &Search, found: &Hypothesis, equivalent: &[String], unit
             .catalogue
             .testable()
             .into_iter()
-            .filter(|a| a.term.kind == kind)
+            .filter(|a| a.term.kind == kind && is_shown(a))
             .filter_map(|a| upper_bound(stage, &basis, a, &found.fit.residual, rows))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, bound)) = bound {

@@ -8,14 +8,14 @@ use crate::floor::{Floor, floor, systematic};
 use crate::free_run::{self, Plant};
 use crate::intake::{Intake, take};
 use crate::joint::Joint;
-use crate::linear::Fit;
+use crate::linear::{Basis, Fit};
 use crate::locate::{locate, row_motion, row_times};
 use crate::nuisance::{self, Declared, Nuisance, PerRecording};
 use crate::options::{Error, Options};
 use crate::result::{
     After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Verdict,
 };
-use crate::search::{Catalogue, Hypothesis, Search};
+use crate::search::{Atom, Catalogue, Hypothesis, Search};
 use crate::signal::derivative;
 use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
@@ -32,6 +32,9 @@ pub(crate) const BASELINE: [(&str, &str, &str); 5] = [
     ("viscous_p", "N·s/m", "N·m·s/rad"),
     ("viscous_n", "N·s/m", "N·m·s/rad"),
 ];
+
+/// Rounds in which the true force settles: each leaves a tenth of the error of the one before.
+const TRUE_FORCE: usize = 4;
 
 /// Share of the floor below which a held-out error refutes it.
 const UNDERCUT: f64 = 0.7;
@@ -141,7 +144,7 @@ pub fn diagnose(
         j.stretches.iter_mut().for_each(|s| s.quick = quick);
         j
     });
-    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins };
+    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins, force_known: false };
     Ok(run.diagnose(judged, progress))
 }
 
@@ -189,6 +192,8 @@ struct Run<'a> {
     unit: &'static str,
     declared: Vec<Declared>,
     origins: Vec<(usize, Option<(f64, f64)>)>,
+    /// The force that stands for the true one knows what distorts its channel.
+    force_known: bool,
 }
 
 impl Run<'_> {
@@ -234,6 +239,14 @@ impl Run<'_> {
             search = above(floor.rms);
             (found, p) = search.run(progress).unwrap_or_else(|| (baseline.clone(), Vec::new()));
         }
+        if let Some((stage, baseline, declared)) = self.without_delay(&found) {
+            drop((catalogue, noisy));
+            return Run { stage, baseline, declared, ..self }.diagnose(judged, progress);
+        }
+        if let Some(stage) = self.with_true_force(&found) {
+            drop((catalogue, noisy));
+            return Run { stage, force_known: true, ..self }.diagnose(judged, progress);
+        }
         let joint = Joint::of(&search, &found);
         found.fit.deviations = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
 
@@ -270,7 +283,7 @@ impl Run<'_> {
         let frequency = self.intake.stretches.iter().map(dominant_frequency).fold(0.0, f64::max);
         let rivals: Vec<Vec<Rival>> =
             (0..found.atoms.len()).map(|i| equivalents(&search, &found, i)).collect();
-        let blind = blind(&search, &unavailable);
+        let blind = blind(&search, &found, &unavailable);
         let equivalent: Vec<String> = rivals.iter().flatten().map(|r| r.id.to_string()).collect();
         let mut missing: Vec<Missing> = p
             .iter()
@@ -375,6 +388,42 @@ impl Run<'_> {
         diagnosis.summary = crate::words::summary(&diagnosis);
         progress(1.0, "done");
         diagnosis
+    }
+
+    /// The stage with the delay among the effects, where what was found says that the nuisance of up to a sample was more:
+    /// beside it there is a lag of the force, or it is longer once the rest of the physics is there.
+    fn without_delay(&self, found: &Hypothesis) -> Option<(Stage, Hypothesis, Vec<Declared>)> {
+        if !self.stage.delay {
+            return None;
+        }
+        let dt = self.intake.stretches.iter().map(|s| s.dt).fold(0.0, f64::max);
+        let delay = found.fit.coefficients.get(BASELINE.len()).copied().unwrap_or(0.0);
+        let lags = found.atoms.iter().any(|a| crate::sensor::is_transport(a.term.kind.id()));
+        if delay.abs() <= dt && !lags {
+            return None;
+        }
+        let mut stage = Stage::new(&self.intake.stretches, self.cutoff, false)?;
+        let declared = stage.declare(&self.options.per_recording);
+        let baseline = Hypothesis::new(&stage, Vec::new())?;
+        Some((stage, baseline, declared))
+    }
+
+    /// The stage with the force that acts once what distorts its channel is known: the baseline alone, which stood for it,
+    /// had taken up most of another gain for one direction.
+    fn with_true_force(&self, found: &Hypothesis) -> Option<Stage> {
+        let distorts = |a: &Atom| ["force_gain_asymmetry", "saturation"].contains(&a.term.kind.id());
+        if self.force_known || !found.atoms.iter().any(distorts) {
+            return None;
+        }
+        let (mut stage, mut found) = (self.stage.clone(), found.clone());
+        for _ in 0..TRUE_FORCE {
+            stage.model_force(&found.fit.coefficients);
+            let basis = Basis::of(&stage.baseline);
+            let again = |a: &Atom| Atom { reliable: a.reliable, ..Atom::new(&stage, &basis, a.term) };
+            let atoms = found.atoms.iter().map(again).collect();
+            found = Hypothesis::new(&stage, atoms)?;
+        }
+        Some(stage)
     }
 
     /// What the audit said, and what only the fit could see.

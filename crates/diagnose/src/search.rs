@@ -15,6 +15,10 @@ pub const FLIPS: usize = 999;
 pub const LEVEL: f64 = 0.01;
 /// Cosine above which two explanations count as one on a recording.
 pub const COLLINEAR: f64 = 0.95;
+/// Share of an effect left outside the baseline (U) below which a recording is said to be blind to it.
+pub const CONCEALED: f64 = 0.1;
+/// The same below which it is not looked for: a strong effect may stand out by less than what one would rely on.
+const HIDDEN: f64 = 0.04;
 /// Smallest share of the mismatch above the floor for which a term is worth naming.
 const MATERIAL: f64 = 0.01;
 /// Or of what the terms before it left: where a spring is nearly all of the force, what stiffens it is less than a
@@ -165,9 +169,14 @@ impl Catalogue {
     }
 }
 
-/// Whether an atom can be seen beside the baseline and above its own noise.
+/// Whether an atom may be found: it stands out of the baseline at all, and above its own noise.
 pub fn is_testable(atom: &Atom) -> bool {
-    !atom.columns.is_empty() && atom.visible >= 0.1 && atom.reliable >= needed_reliability(atom.term.kind)
+    !atom.columns.is_empty() && atom.visible >= HIDDEN && atom.reliable >= needed_reliability(atom.term.kind)
+}
+
+/// Whether the recording can be relied on to show it: what is not found is not there.
+pub fn is_shown(atom: &Atom) -> bool {
+    is_testable(atom) && atom.visible >= CONCEALED
 }
 
 pub(crate) fn needed_reliability(kind: TermKind) -> f64 {
