@@ -32,6 +32,8 @@ const FULL: usize = 1_000;
 const TELL: Duration = Duration::from_millis(50);
 /// A driven handle is told that somebody is there.
 const ALIVE: Duration = Duration::from_millis(250);
+/// Silence after which the device lets go of a handle that it drives for this lab, s.
+const WATCH_S: u32 = 2;
 /// A device that was lost is looked for.
 const RETRY: Duration = Duration::from_secs(1);
 /// Silence after which a stream is taken for lost.
@@ -99,6 +101,8 @@ pub(crate) struct Bench {
     last: Option<Sample>,
     recording: Option<Recording>,
     experiment: Option<experiments::Running>,
+    /// How long the device waited for a host before, s.
+    watch: Option<String>,
 }
 
 impl Bench {
@@ -131,6 +135,7 @@ impl Bench {
             last: None,
             recording: None,
             experiment: None,
+            watch: None,
         }
     }
 
@@ -155,6 +160,9 @@ impl Bench {
             // gone or not, nothing more can be done
             let _ = device.send("stop");
             let _ = device.send("stream off");
+            if let Some(seconds) = &self.watch {
+                let _ = device.send(&format!("watch {seconds}"));
+            }
             let _ = device.poll();
         }
     }
@@ -169,6 +177,7 @@ impl Bench {
                 for (line, about) in [
                     ("stop", About::Page("stop")),
                     ("version", About::Version),
+                    ("watch", About::Watch),
                     ("preset list", About::Presets),
                     ("get", About::Get),
                 ] {

@@ -16,6 +16,8 @@ pub(crate) enum About {
     Get,
     Presets,
     Stream,
+    /// How long the device waits for a host; put back at the end.
+    Watch,
     /// A page asked for it: what it is called, if it goes wrong.
     Page(&'static str),
     /// A parameter.

@@ -1,6 +1,6 @@
 //! What the device's lines mean.
 
-use super::Bench;
+use super::{Bench, WATCH_S};
 use crate::orders::{About, Answer, Heard};
 use crate::say::Tone;
 use link::reply;
@@ -43,6 +43,12 @@ impl Bench {
             About::Presets => {
                 self.shared.known(|known| known.preset_list(&answer.first));
                 self.dirty = true;
+            }
+            About::Watch => {
+                // `watch 30 s: …`, or `watch off: …`
+                let before = text.split_whitespace().nth(1).map(|word| word.trim_end_matches(':'));
+                self.watch = before.map(|word| if word == "off" { "0" } else { word }.to_owned());
+                self.orders.first(format!("watch {WATCH_S}"), About::Hand);
             }
             About::Stream | About::Hand => {
                 if let Some(why) = refused {

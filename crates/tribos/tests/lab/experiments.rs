@@ -236,6 +236,8 @@ fn what_is_finished_survives_the_death_of_server_browser_and_device() {
 struct Cable {
     name: String,
     pulled: std::sync::Arc<std::sync::atomic::AtomicBool>,
+    /// State of the machine, and force, mN.
+    now: std::sync::Arc<(std::sync::atomic::AtomicU8, std::sync::atomic::AtomicI32)>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
@@ -250,6 +252,8 @@ impl Cable {
         ours.set_timeout(Duration::from_millis(1)).expect("a time-out");
         let pulled = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
         let seen = pulled.clone();
+        let now = std::sync::Arc::<(std::sync::atomic::AtomicU8, std::sync::atomic::AtomicI32)>::default();
+        let told = now.clone();
         let thread = std::thread::spawn(move || {
             // ours and theirs live until the cable is pulled
             let _theirs = theirs;
@@ -263,6 +267,8 @@ impl Cable {
                     device.tick();
                     due += Duration::from_millis(1);
                 }
+                told.0.store(device.mode().code(), Ordering::SeqCst);
+                told.1.store((1e3 * device.outputs().force) as i32, Ordering::SeqCst);
                 device.read(&mut out);
                 // a line that is full waits
                 while let Ok(count @ 1..) = ours.write(&out) {
@@ -270,7 +276,7 @@ impl Cable {
                 }
             }
         });
-        Self { name, pulled, thread: Some(thread) }
+        Self { name, pulled, now, thread: Some(thread) }
     }
 }
 
@@ -323,4 +329,44 @@ fn a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept() {
         "{said}"
     );
     assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_driven_handle_is_let_go_within_seconds_of_the_labs_death() {
+    use haptics::ModeId;
+    use std::sync::atomic::Ordering;
+    let folder = tempfile::tempdir().expect("a folder");
+    let cable = Cable::plug();
+    let mut lab = Lab::start(folder.path(), &[&cable.name]);
+    let origin = format!("http://{}", lab.host());
+    let mut socket = lab.socket(Some(&origin)).expect("its own page");
+    let mode = |wanted: ModeId, seconds: f64| {
+        let began = std::time::Instant::now();
+        while cable.now.0.load(Ordering::SeqCst) != wanted.code() {
+            assert!(began.elapsed().as_secs_f64() < seconds, "not {} within {seconds} s", wanted.id());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        began.elapsed().as_secs_f64()
+    };
+    // until the device is known a request is refused
+    let drive =
+        json!({ "do": "move", "wave": "sine", "amplitude": 0.008, "frequency": 2.0, "seconds": 60.0 });
+    for _ in 0..100 {
+        socket.send(tungstenite::Message::text(drive.to_string())).expect("the lab hears");
+        std::thread::sleep(Duration::from_millis(100));
+        if cable.now.0.load(Ordering::SeqCst) == ModeId::Exciting.code() {
+            break;
+        }
+    }
+    mode(ModeId::Exciting, 1.0);
+    // longer than the device would wait for a host that says nothing
+    std::thread::sleep(Duration::from_millis(3_000));
+    assert_eq!(cable.now.0.load(Ordering::SeqCst), ModeId::Exciting.code(), "the lab keeps it alive");
+    lab.child.kill().expect("killed");
+    lab.child.wait().expect("gone");
+    let took = mode(ModeId::Fault, 10.0);
+    println!("lab killed: force off after {took:.2} s");
+    assert!(took > 0.5, "not at once: two seconds of silence are waited for");
+    assert_eq!(cable.now.1.load(Ordering::SeqCst), 0);
 }
