@@ -254,3 +254,40 @@ fn a_malicious_page_in_a_real_browser_gets_nothing() {
     let state = wait_for(&mut socket, "the state", |m| m["is"] == "state" && m["connected"] == true);
     assert_eq!((&state["armed"], &state["mode"]), (&json!(false), &json!("idle")), "nothing was commanded");
 }
+
+#[test]
+fn batches_of_ones_own_are_presented_and_what_the_device_would_refuse_is_refused_before_the_first_trial() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = lab(&folder);
+    let mut socket = own_socket(&lab);
+    wait_for(&mut socket, "the device", |m| {
+        m["is"] == "state" && m["connected"] == true && m["period"] == 0.001
+    });
+    let batches = |k_vc: u32| {
+        let block = |level: f64| {
+            format!(
+                "{{ f_static = {level}, f_dynamic = {level}, damping = 5, dv = 0.01, mass = 0.5, k_vc = {k_vc}, b_vc = 15 }}"
+            )
+        };
+        format!(
+            "[[batch]]\nname = \"mine\"\nreference = {}\n[batch.procedure]\nprocedure = \"constant\"\nrounds = 3\ncomparisons = [{}, {}]\n",
+            block(1.0),
+            block(1.5),
+            block(2.0)
+        )
+    };
+    for (text, says) in
+        [(batches(900_000), "batch `mine`: k_vc = 900000"), ("[[batch]]\nname = 3".into(), "name")]
+    {
+        ask(&mut socket, &json!({ "do": "begin_choice", "subject": "s1", "seed": 1, "batches": text }));
+        let said = wait_for(&mut socket, "a refusal", |m| m["is"] == "said" && m["about"] == "experiment");
+        println!("{}", said["text"]);
+        assert!(said["text"].as_str().is_some_and(|why| why.contains(says)), "{said}");
+    }
+    ask(&mut socket, &json!({ "do": "begin_choice", "subject": "s1", "seed": 1, "batches": batches(9_000) }));
+    let state = wait_for(&mut socket, "the session", |m| m["is"] == "state" && m["experiment"].is_object());
+    assert_eq!((&state["experiment"]["of"], &state["experiment"]["armed"]), (&json!(6), &json!(false)));
+    // while it is open nobody changes what is felt
+    ask(&mut socket, &json!({ "do": "use", "name": "teflon" }));
+    wait_for(&mut socket, "a refusal", |m| m["is"] == "said" && m["tone"] == "refused");
+}
