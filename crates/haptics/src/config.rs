@@ -30,6 +30,10 @@ pub struct Config {
     pub(crate) mass_per_period: f32,
     /// KT/4 + B/2, N·s/m: what a block's velocity of before and of after each take of the coupling's force.
     pub(crate) coupling_share: f32,
+    /// One over the travel of a count, 1/m.
+    pub(crate) count_per_metre: f32,
+    /// m/2T, N·s/m: takes half the speed of a free handle within a period.
+    pub(crate) edge_damping: f32,
     /// m/s of one count per tick.
     pub(crate) metre_per_second: f32,
     pub(crate) period_ticks: u32,
@@ -57,6 +61,8 @@ impl Config {
             period_per_mass: device.period / settings.mass,
             mass_per_period: settings.mass / device.period,
             coupling_share: 0.25 * settings.k_vc * device.period + 0.5 * settings.b_vc,
+            count_per_metre: 1.0 / device.metre_per_count,
+            edge_damping: 0.5 * device.mass / device.period,
             metre_per_second: device.metre_per_count * device.tick_hz as f32,
             period_ticks: device.period_ticks(),
             blend_decay: Scalar::exp(device.period * (-1.0 / BLEND_S)),

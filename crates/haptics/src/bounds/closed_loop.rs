@@ -112,20 +112,39 @@ impl ClosedLoop {
         spectral_radius([row(0), row(1), [-k, -b, 0.0]])
     }
 
-    /// Spectral radius with a free block of `mass` kg. Without a hand that holds, the whole may drift off together;
+    /// Spectral radius with a free block of `mass` kg, stepped by eq. 4.22-4.24. Without a hand that holds, the whole may drift off together;
     /// that motion (an eigenvalue of exactly 1) is left out.
     #[must_use]
     pub fn radius_sliding(&self, mass: f64) -> f64 {
-        let (free, before, now) = self.sampled();
+        let (k, b) = (self.stiffness, self.damping);
+        // of (x, v, p, w, F before)
+        self.radius_free(mass, [-k, -b, k, b, 0.0], 0.0)
+    }
+
+    /// The same with the block of the stopping-force renderer, whose coupling acts in the middle of the period:
+    /// F(k) = −(K (x − p) + B v − (KT/2 + B) w)/(1 + cT/M), c = KT/4 + B/2, p(k+1) = p(k) + T (w(k) + w(k+1))/2.
+    #[must_use]
+    pub fn radius_sliding_stopping_force(&self, mass: f64) -> f64 {
         let (k, b, t) = (self.stiffness, self.damping, self.period);
-        // (x, v, p, w, F before)
-        let force = [-k, -b, k, b, 0.0];
+        let shared = 1.0 + t / mass * (0.25 * k * t + 0.5 * b);
+        let force = [-k, -b, k, 0.5 * k * t + b, 0.0].map(|x| x / shared);
+        self.radius_free(mass, force, 0.5)
+    }
+
+    /// Spectral radius with a free block that feels −`force`, and whose position moves by that share of the old velocity
+    /// and the rest of the new one.
+    fn radius_free(&self, mass: f64, force: [f64; 5], old: f64) -> f64 {
+        let (free, before, now) = self.sampled();
+        let t = self.period;
         let handle = |i: usize| -> [f64; 5] {
             let own = [free[i][0], free[i][1], 0.0, 0.0, before[i]];
             core::array::from_fn(|j| own[j] + now[i] * force[j])
         };
         let speed: [f64; 5] = core::array::from_fn(|j| f64::from(u8::from(j == 3)) - t / mass * force[j]);
-        let place: [f64; 5] = core::array::from_fn(|j| f64::from(u8::from(j == 2)) + t * speed[j]);
+        let place: [f64; 5] = core::array::from_fn(|j| {
+            let is = |at: usize| f64::from(u8::from(j == at));
+            is(2) + t * (old * is(3) + (1.0 - old) * speed[j])
+        });
         let (x, v) = (handle(0), handle(1));
         if self.grasp.stiffness > 0.0 {
             return spectral_radius([x, v, place, speed, force]);

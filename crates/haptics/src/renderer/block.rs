@@ -1,6 +1,7 @@
 //! The virtual block behind the coupling: what every renderer that has one remembers.
 
 use super::Handle;
+use super::dither::Dither;
 use crate::Config;
 use crate::settings::MAX_EFFECTS;
 use core::mem::{Discriminant, discriminant};
@@ -13,6 +14,7 @@ pub struct Block {
     pub(super) position: f32,
     pub(super) velocity: f32,
     pub(super) displacement: f32,
+    pub(super) dither: Dither,
     pub(super) law: LawState<f32>,
     law_kind: Discriminant<Law<f32>>,
     pub(super) effects: [EffectState<f32>; MAX_EFFECTS],
@@ -27,6 +29,7 @@ impl Block {
             position: handle.position,
             velocity: handle.velocity,
             displacement: 0.0,
+            dither: Dither::default(),
             law: LawState::default(),
             law_kind: discriminant(&config.law),
             effects: [EffectState::default(); MAX_EFFECTS],

@@ -3,6 +3,7 @@
 //! coupling solved together (stopping force).
 
 mod block;
+mod dither;
 mod impedance;
 mod stopping_force;
 mod virtual_coupling;

@@ -14,6 +14,7 @@
 //! back, the dynamic one for a block that slides on.
 //!
 //! * A block at rest *is* at rest: p does not change, no creep, and the hand feels K (x − p) + B v and nothing else.
+//! * At rest the hand does not feel the counts of the encoder either (dither.rs).
 //! * No dead band, and no zero-crossing limit cycle: to throw a block from +a to −a every period, S would have to be
 //!   beyond both levels with (M/T − c) a of either sign added, which needs M/T < c. That is KT² + 2BT > 4M, where the
 //!   coupling itself is unstable (eq. 4.35 singular). Inside, Δv is not used.
@@ -123,7 +124,9 @@ impl Block {
     /// One period of the equations above.
     pub(super) fn step_stopping_force(&mut self, config: &Config, handle: &Handle) -> Rendered {
         let (w, period, limit) = (self.velocity, config.device.period, config.device.force_max);
-        let pull = config.stiffness * (handle.position - self.position) + config.damping * handle.velocity;
+        let x = self.dither.settle(handle, config.device.metre_per_count, config.count_per_metre);
+        let brake = self.dither.brake(handle, config.edge_damping);
+        let pull = config.stiffness * (x - self.position) + config.damping * handle.velocity;
         let half = config.coupling_share;
         let coupling_now = pull - 2.0 * half * w;
         let motion = Motion {
@@ -189,7 +192,7 @@ impl Block {
         let faded = self.position == before && end.velocity.abs() <= w.abs() && levels.is_some();
         self.velocity = if faded { 0.0 } else { end.velocity };
         Rendered {
-            force: -coupling,
+            force: -coupling - brake,
             block_position: self.position,
             block_velocity: self.velocity,
             friction: end.friction + outside,
