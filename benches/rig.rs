@@ -7,9 +7,10 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use friction::{Custom, Motion};
-use haptics::{Control, Device, Inputs, Request, Settings};
+use haptics::{Control, Device, Request, Settings};
 use plant::{HandImpedance, Rig, RigConfig, Target};
 use std::time::Instant;
+use tribos_firmware::board::simulated::inputs;
 
 /// Control periods in one run: 10 s of the rig's time.
 const STEPS: u32 = 10_000;
@@ -32,7 +33,7 @@ impl Rendered {
         let rig_config = RigConfig { substeps, block_mass: 0.0, ..RigConfig::default() };
         let rig = Rig::new(rig_config, Custom((|_| 0.0) as Surface), 1).expect("thesis rig");
         let mut control = Control::new(config);
-        control.step(Some(&Request::Render(true)), &codes(rig.sensors()));
+        control.step(Some(&Request::Render(true)), &inputs(&rig.sensors()));
         // slides, turns and sticks: 8 mm to and fro, once a second
         let target = Target::Sine { centre: 0.0, amplitude: 0.008, frequency: 1.0 };
         let hand = HandImpedance { stiffness: 1500.0, damping: 15.0, ..HandImpedance::relaxed(target) };
@@ -44,23 +45,13 @@ impl Rendered {
         let mut stuck = 0;
         for _ in 0..STEPS {
             let sensors = self.rig.tick(self.force, &mut self.hand);
-            let outputs = self.control.step(None, &codes(sensors));
+            let outputs = self.control.step(None, &inputs(&sensors));
             self.force = f64::from(outputs.force);
             stuck += u32::from(outputs.stuck);
         }
         let fault = self.control.state().fault();
         assert!(fault.is_none(), "the loop stopped rendering: {fault:?}");
         stuck
-    }
-}
-
-fn codes(s: plant::Sensors) -> Inputs {
-    Inputs {
-        sample_ticks: s.sample_ticks,
-        count: s.count,
-        edge_ticks: s.edge_ticks,
-        load_code: s.load_code,
-        accel_code: s.accel_code,
     }
 }
 

@@ -13,7 +13,7 @@ use friction::{Coulomb, Invalid, Karnopp, Law};
 use haptics::{Channel, Device, Inputs, ModeId, Outputs};
 use link::HelpLine;
 use plant::{
-    Bench, Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Target, Truth, Wire,
+    Bench, Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Sensors, Target, Truth, Wire,
     materials::material,
 };
 use std::collections::VecDeque;
@@ -29,6 +29,18 @@ const GRAVITY: f64 = 9.806_65;
 
 /// What the block slides by.
 pub type Slide = Layered<Law<f64>>;
+
+/// What the rig's sensors say as the control step takes it: the same latched codes and stamps.
+#[must_use]
+pub fn inputs(sensors: &Sensors) -> Inputs {
+    Inputs {
+        sample_ticks: sensors.sample_ticks,
+        count: sensors.count,
+        edge_ticks: sensors.edge_ticks,
+        load_code: sensors.load_code,
+        accel_code: sensors.accel_code,
+    }
+}
 
 /// What can be chosen before the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,13 +160,7 @@ impl SimulatedBoard {
     /// One period of the rig under the last force.
     fn sample(&mut self) -> Inputs {
         let sensors = self.rig.tick(self.force, &mut self.hand);
-        Inputs {
-            sample_ticks: sensors.sample_ticks,
-            count: sensors.count,
-            edge_ticks: sensors.edge_ticks,
-            load_code: sensors.load_code,
-            accel_code: sensors.accel_code,
-        }
+        inputs(&sensors)
     }
 
     fn periods_in_ms(&self) -> u32 {

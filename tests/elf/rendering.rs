@@ -5,9 +5,10 @@ use crate::board::Board;
 use crate::plot::{self, Panel, Series};
 use crate::track::{Track, run_to, seconds};
 use friction::{Karnopp, Law};
-use haptics::{Control, Device, Inputs, Request, Settings};
+use haptics::{Control, Device, Request, Settings};
 use link::Sample;
 use plant::{Coupling, Hand, Rig, RigConfig, Sensor};
+use tribos_firmware::board::simulated::inputs;
 
 const COUNT: f64 = 2.57e-6;
 /// Measurement error of force and of velocity (table 3-2): N, m/s.
@@ -71,15 +72,8 @@ fn on_the_host(preset: &str) -> Vec<Felt> {
     let mut felt = Vec::new();
     let mut sensors = rig.sensors();
     while rig.truth().time < END + 0.05 {
-        let inputs = Inputs {
-            sample_ticks: sensors.sample_ticks,
-            count: sensors.count,
-            edge_ticks: sensors.edge_ticks,
-            load_code: sensors.load_code,
-            accel_code: sensors.accel_code,
-        };
         let request = (felt.len() == 100).then_some(Request::Render(true));
-        let outputs = control.step(request.as_ref(), &inputs);
+        let outputs = control.step(request.as_ref(), &inputs(&sensors));
         assert_eq!((outputs.denied, outputs.fault), (None, None));
         felt.push((rig.truth().time, rig.truth().velocity, f64::from(outputs.force)));
         sensors = rig.tick(f64::from(outputs.force), &mut hand);

@@ -5,8 +5,9 @@ use crate::moves::Move;
 use crate::progress::Progress;
 use crate::raw::{Calibration, Decoding, Point, Raw};
 use friction::{FrictionLaw, Law, Motion};
-use haptics::{Channel, Control, Device, Inputs, Request, Settings};
+use haptics::{Channel, Control, Device, Request, Settings};
 use plant::{Layered, NoHand, Rig, RigConfig, Sensor};
+use tribos_firmware::board::simulated::inputs;
 
 /// What the block slides by: a law and the effects beside it.
 pub(crate) type Slide = Layered<Law<f64>>;
@@ -83,15 +84,8 @@ pub(crate) fn simulate(
     let mut force = 0.0;
     for k in 0..skipped + kept {
         let sensors = plant.tick(f64::from(force), &mut NoHand);
-        let inputs = Inputs {
-            sample_ticks: sensors.sample_ticks,
-            count: sensors.count,
-            edge_ticks: sensors.edge_ticks,
-            load_code: sensors.load_code,
-            accel_code: sensors.accel_code,
-        };
         let request = (k == 0).then_some(Request::Excite(excitation));
-        let out = control.step(request.as_ref(), &inputs);
+        let out = control.step(request.as_ref(), &inputs(&sensors));
         if let Some(fault) = out.fault {
             let at = k as f64 * rig.period();
             return Err(Failure::new(format!(

@@ -2,8 +2,8 @@
 
 use super::Handle;
 use super::dither::Dither;
-use crate::Config;
 use crate::settings::MAX_EFFECTS;
+use crate::{Config, RendererKind};
 use core::mem::{Discriminant, discriminant};
 use friction::effects::{EffectKind, EffectState};
 use friction::{Law, LawState};
@@ -16,6 +16,7 @@ pub struct Block {
     pub(super) displacement: f32,
     pub(super) dither: Dither,
     pub(super) law: LawState<f32>,
+    renderer: RendererKind,
     law_kind: Discriminant<Law<f32>>,
     pub(super) effects: [EffectState<f32>; MAX_EFFECTS],
     kinds: [Option<EffectKind>; MAX_EFFECTS],
@@ -31,14 +32,15 @@ impl Block {
             displacement: 0.0,
             dither: Dither::default(),
             law: LawState::default(),
+            renderer: config.renderer,
             law_kind: discriminant(&config.law),
             effects: [EffectState::default(); MAX_EFFECTS],
             kinds: config.kinds,
         }
     }
 
-    pub(crate) fn fits(&self, config: &Config) -> bool {
-        self.law_kind == discriminant(&config.law) && self.kinds == config.kinds
+    pub(crate) fn fits(&self, config: &Config, renderer: RendererKind) -> bool {
+        self.renderer == renderer && self.law_kind == discriminant(&config.law) && self.kinds == config.kinds
     }
 }
 

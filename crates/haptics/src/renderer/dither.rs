@@ -26,10 +26,13 @@ const CORRECTION: f32 = 0.25;
 const FINEST: f32 = 1.0 / 256.0;
 /// How far a handle one count beside the place is taken to be from it, counts. A step that comes a period late drives
 /// what it should hold, the more the larger it is.
-const BESIDE: f32 = 0.125;
+const BESIDE: f32 = 0.25;
+
+/// No place is known.
+const NOWHERE: f32 = -1.0;
 
 /// What is known of a handle at rest.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Dither {
     /// The lowest count, m, and how many beside it, upwards.
     low: f32,
@@ -39,10 +42,17 @@ pub(super) struct Dither {
     /// Samples since, and the sum of their positions from `low`, counts.
     samples: f32,
     sum: f32,
-    /// The place from `low`, counts, once it is known.
-    place: Option<f32>,
+    /// The place from `low`, counts, once it is known; before that, something negative.
+    place: f32,
     /// Next correction, positive upwards, counts.
     correction: f32,
+}
+
+impl Default for Dither {
+    #[inline(always)] // made in a control step
+    fn default() -> Self {
+        Self { low: 0.0, span: 0.0, crossings: 0, samples: 0.0, sum: 0.0, place: NOWHERE, correction: 0.0 }
+    }
 }
 
 impl Dither {
@@ -62,7 +72,8 @@ impl Dither {
         }
         let at = (position - self.low) * per_count;
         let inside = at > -0.5 && at < self.span + 0.5;
-        if let Some(place) = self.place {
+        let place = self.place;
+        if place >= 0.0 {
             if inside {
                 return self.low + place * count;
             }
@@ -71,12 +82,12 @@ impl Dither {
                 let beside = if at > 0.0 { place + BESIDE } else { place - BESIDE };
                 return self.low + beside * count;
             }
-            (self.crossings, self.place) = (0, None);
+            (self.crossings, self.place) = (0, NOWHERE);
         } else if inside && self.crossings > 0 {
             self.crossings += u8::from(crossed);
             if self.crossings >= CROSSINGS {
                 let place = self.sum / self.samples;
-                (self.place, self.correction) = (Some(place), CORRECTION);
+                (self.place, self.correction) = (place, CORRECTION);
                 return self.low + place * count;
             }
             self.samples += 1.0;
@@ -105,7 +116,7 @@ impl Dither {
     fn correct(&mut self, place: f32, upwards: bool) -> f32 {
         if (self.correction > 0.0) != upwards {
             let half = -0.5 * self.correction;
-            self.correction = if half > FINEST || half < -FINEST { half } else { -self.correction };
+            self.correction = if half * half > FINEST * FINEST { half } else { -self.correction };
         }
         let moved = place + self.correction;
         let moved = if moved > self.span {
@@ -115,7 +126,7 @@ impl Dither {
         } else {
             0.0
         };
-        self.place = Some(moved);
+        self.place = moved;
         moved
     }
 }

@@ -51,10 +51,8 @@ pub struct Rendered {
 pub enum Contact {
     /// Friction on the handle itself.
     Impedance(Impedance),
-    /// Friction on a virtual block, eq. 4.22-4.24.
-    VirtualCoupling(Block),
-    /// Friction on a virtual block as a stopping force.
-    StoppingForce(Block),
+    /// Friction on a virtual block, as in the thesis or as a stopping force.
+    Block(Block),
 }
 
 impl Contact {
@@ -64,8 +62,10 @@ impl Contact {
     pub fn new(config: &Config, handle: &Handle) -> Self {
         match config.renderer {
             RendererKind::Impedance => Self::Impedance(Impedance::new(config, handle)),
-            RendererKind::VirtualCoupling => Self::VirtualCoupling(Block::new(config, handle)),
-            RendererKind::StoppingForce => Self::StoppingForce(Block::new(config, handle)),
+            // one place for both: it is made where it stays
+            RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
+                Self::Block(Block::new(config, handle))
+            }
         }
     }
 
@@ -73,8 +73,7 @@ impl Contact {
     pub(crate) fn fits(&self, config: &Config) -> bool {
         match (self, config.renderer) {
             (Self::Impedance(contact), RendererKind::Impedance) => contact.fits(config),
-            (Self::VirtualCoupling(block), RendererKind::VirtualCoupling)
-            | (Self::StoppingForce(block), RendererKind::StoppingForce) => block.fits(config),
+            (Self::Block(block), renderer) => block.fits(config, renderer),
             _ => false,
         }
     }
@@ -83,8 +82,10 @@ impl Contact {
     pub fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
         match self {
             Self::Impedance(contact) => contact.step(config, handle),
-            Self::VirtualCoupling(block) => block.step_virtual_coupling(config, handle),
-            Self::StoppingForce(block) => block.step_stopping_force(config, handle),
+            Self::Block(block) if config.renderer == RendererKind::StoppingForce => {
+                block.step_stopping_force(config, handle)
+            }
+            Self::Block(block) => block.step_virtual_coupling(config, handle),
         }
     }
 }

@@ -15,7 +15,9 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   tribos design --mass 0.5 --friction 4 --stiffness 10000 --damping 10
   tribos design --device-mass 1 --device-damping 10 --dv 0.02
-  tribos design --preset rubber --map rubber.svg")]
+  tribos design --preset rubber --map rubber.svg
+  tribos design --grid --map grid.svg
+  tribos design --renderers")]
 pub struct Args {
     /// Mass of the virtual block M, kg
     #[arg(long, value_name = "KG", value_parser = options::above_zero, allow_hyphen_values = true)]
@@ -43,7 +45,7 @@ pub struct Args {
     delay: f64,
     /// Speed taken for zero DV, m/s
     #[arg(long, value_name = "m/s", value_parser = options::above_zero, allow_hyphen_values = true)]
-    dv: Option<f64>,
+    pub(super) dv: Option<f64>,
     /// Travel of one encoder count, m
     #[arg(long, value_name = "M", value_parser = options::above_zero, allow_hyphen_values = true)]
     encoder: Option<f64>,
@@ -55,13 +57,21 @@ pub struct Args {
     hand: Option<Grasp>,
     /// Check a preset on this device instead, and find the nearest that is right: a built-in name
     #[arg(long, value_name = "NAME", conflicts_with_all = ["mass", "friction", "stiffness", "damping", "dv"])]
-    preset: Option<String>,
+    pub(super) preset: Option<String>,
+    /// Run so many couplings (10 000 when no number is given) through the simulated device under every renderer: which
+    /// come to rest, which chatter; with --map as a picture. --dv is the thesis's renderers'
+    #[arg(long, value_name = "POINTS", num_args = 0..=1, default_missing_value = "10000", value_parser = clap::value_parser!(u32).range(1..=1_000_000), conflicts_with_all = ["mass", "friction", "stiffness", "damping", "device_mass", "device_damping", "preset", "renderers"])]
+    grid: Option<u32>,
+    /// Compare the renderers through the sensors of the device: force errors, creep and noise at rest; of --preset, or
+    /// of table 5-3 and the materials
+    #[arg(long, conflicts_with_all = ["mass", "friction", "stiffness", "damping", "dv", "device_mass", "device_damping", "map"])]
+    renderers: bool,
     /// Draw the safe region over K and B
     #[arg(long, value_name = "FILE.svg")]
-    map: Option<PathBuf>,
+    pub(super) map: Option<PathBuf>,
     /// Write the numbers as JSON, `-` for standard output
     #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    pub(super) json: Option<PathBuf>,
 }
 
 fn grasp(text: &str) -> std::result::Result<Grasp, String> {
@@ -81,6 +91,12 @@ struct Checked {
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     for path in [&args.map, &args.json].into_iter().flatten() {
         files::check_writable(path)?;
+    }
+    if let Some(points) = args.grid {
+        return super::design_grid::grid(args, points as usize);
+    }
+    if args.renderers {
+        return super::design_grid::compared(args);
     }
     let mut given = Given {
         period: args.period,
@@ -127,12 +143,17 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// The built-in preset of this name.
+pub(super) fn built_in(name: &str) -> Result<Settings> {
+    Settings::preset(name).ok_or_else(|| {
+        let known: Vec<&str> = Settings::PRESETS.iter().map(|(name, _)| *name).collect();
+        Failure::new(format!("--preset {name}: no such preset; there are {}", known.join(", ")))
+    })
+}
+
 /// Takes what the preset says into `given`, and finds the nearest one that is right.
 fn check(name: &str, given: &mut Given) -> Result<Checked> {
-    let Some(preset) = Settings::preset(name) else {
-        let known: Vec<&str> = Settings::PRESETS.iter().map(|(name, _)| *name).collect();
-        return Err(Failure::new(format!("--preset {name}: no such preset; there are {}", known.join(", "))));
-    };
+    let preset = built_in(name)?;
     let own = Device::default();
     let device = Device {
         period: given.period as f32,

@@ -5,6 +5,7 @@ pub mod connect;
 pub mod convert;
 pub mod demo;
 pub mod design;
+mod design_grid;
 pub mod diagnose;
 pub mod experiment;
 pub mod figures;

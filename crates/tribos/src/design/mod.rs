@@ -1,7 +1,11 @@
 //! What chapter 4 allows: bounds, the closed loop's spectral radius, and the preset next to one that is not allowed.
 
+mod closed;
+pub(crate) mod grid;
+pub(crate) mod grid_map;
 mod map;
 mod nearest;
+pub(crate) mod renderers;
 
 pub(crate) use map::draw;
 pub(crate) use nearest::{Change, nearest};

@@ -4,8 +4,9 @@ use super::plot::{GREY, Line, ORANGE, Panel};
 use super::{Figure, number};
 use crate::failure::{Failure, Result};
 use friction::{Coulomb, Custom, Law, Motion};
-use haptics::{Control, Device, Inputs, LawKind, Request, Settings};
+use haptics::{Control, Device, LawKind, Request, Settings};
 use plant::{Coupling, Hand, Rig, RigConfig};
+use tribos_firmware::board::simulated::inputs;
 
 /// Figure 4-15: 1 kg and roughly 2 N.
 const MASS: f64 = 1.0;
@@ -70,15 +71,8 @@ fn simulated() -> Result<Vec<(f64, f64)>> {
     let mut felt = Vec::new();
     let mut step = 0_u32;
     while rig.truth().time < SECONDS {
-        let inputs = Inputs {
-            sample_ticks: sensors.sample_ticks,
-            count: sensors.count,
-            edge_ticks: sensors.edge_ticks,
-            load_code: sensors.load_code,
-            accel_code: sensors.accel_code,
-        };
         let request = (step == 100).then_some(Request::Render(true));
-        let out = control.step(request.as_ref(), &inputs);
+        let out = control.step(request.as_ref(), &inputs(&sensors));
         if let Some(kind) = out.fault {
             return Err(Failure::new(format!("the simulated device stopped: {kind:?}")));
         }

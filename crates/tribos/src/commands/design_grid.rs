@@ -1,0 +1,160 @@
+//! `tribos design --grid` and `--renderers`: the renderers against each other, in simulation.
+
+use super::design::Args;
+use crate::design::grid::{self, Outcome as Cell, Tally};
+use crate::design::{grid_map, renderers};
+use crate::failure::{Failure, Outcome, Result};
+use crate::files;
+use crate::table::{Table, number};
+use haptics::{Accepted, RendererKind, Settings};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// DV of the thesis's final experiment (table 5-3), m/s.
+const DV: f64 = 1e-3;
+
+/// The reference of the forced-choice experiment (table 5-3).
+fn table_5_3() -> Settings {
+    Settings {
+        law: haptics::LawKind::Karnopp,
+        f_static_p: 2.0,
+        f_static_n: 2.0,
+        f_dynamic_p: 2.0,
+        f_dynamic_n: 2.0,
+        damping_p: 20.0,
+        damping_n: 20.0,
+        dv: DV as f32,
+        mass: 0.5,
+        k_vc: 25_000.0,
+        b_vc: 10.0,
+        ..Settings::brass()
+    }
+}
+
+/// The grid.
+pub(super) fn grid(args: &Args, points: usize) -> Result<Outcome> {
+    let dv = args.dv.unwrap_or(DV);
+    let (low, high) = (1e-6, f64::from(haptics::Device::default().overspeed));
+    if !(low..=high).contains(&dv) {
+        let accepted = Accepted::Between(low as f32, high as f32);
+        return Err(Failure::new(format!("--dv {dv} m/s: {accepted}")));
+    }
+    let cells = grid::run(points, dv);
+    if let Some(path) = &args.map {
+        files::write(path, grid_map::draw(&cells)?.as_bytes())?;
+    }
+    if let Some(path) = &args.json {
+        let text = serde_json::to_string_pretty(&grid_json(&cells, dv)).map_err(Failure::new)?;
+        files::write(path, format!("{text}\n").as_bytes())?;
+    }
+    if args.json.as_deref() == Some(Path::new("-")) {
+        return Ok(Outcome::Done);
+    }
+    let mut table = Table::new(&[
+        "renderer",
+        ">accepted, stable",
+        ">come to rest",
+        ">limit cycle",
+        ">let go",
+        ">share, %",
+    ]);
+    for (at, renderer) in RendererKind::ALL.iter().enumerate() {
+        let t = grid::tally(&cells, at);
+        table.row([
+            renderer.id().to_owned(),
+            t.accepted.to_string(),
+            t.rests.to_string(),
+            t.cycles.to_string(),
+            t.let_go.to_string(),
+            format!("{:.2}", share(&t)),
+        ]);
+    }
+    print!("{}", table.render());
+    println!(
+        "  {points} couplings, DV {dv} m/s (stopping_force has none), pushed and left alone in a hand from released to held"
+    );
+    let beyond: usize = (0..RendererKind::ALL.len()).map(|at| grid::tally(&cells, at).beyond).sum();
+    println!("  accepted by the device although the linear loop is unstable: {beyond}");
+    if let Some(path) = &args.map {
+        println!("  map: {}", path.display());
+    }
+    Ok(Outcome::Done)
+}
+
+/// Percent that do not come to rest.
+fn share(t: &Tally) -> f64 {
+    100.0 * (t.cycles + t.let_go) as f64 / t.accepted.max(1) as f64
+}
+
+fn grid_json(cells: &[Cell], dv: f64) -> Value {
+    let renderers: serde_json::Map<String, Value> = RendererKind::ALL
+        .iter()
+        .enumerate()
+        .map(|(at, renderer)| {
+            let t = grid::tally(cells, at);
+            let value = json!({
+                "accepted_stable": t.accepted, "rests": t.rests, "limit_cycle": t.cycles, "let_go": t.let_go,
+                "accepted_unstable": t.beyond, "share_percent": share(&t),
+            });
+            (renderer.id().to_owned(), value)
+        })
+        .collect();
+    json!({ "schema": "tribos.design.grid/1", "points": cells.len(), "dv": dv, "renderers": renderers })
+}
+
+/// The table of renderers.
+pub(super) fn compared(args: &Args) -> Result<Outcome> {
+    let presets: Vec<(String, Settings)> = match &args.preset {
+        Some(name) => vec![(name.clone(), super::design::built_in(name)?)],
+        None => vec![
+            ("table 5-3".to_owned(), table_5_3()),
+            ("rubber".to_owned(), Settings::rubber()),
+            ("brass".to_owned(), Settings::brass()),
+            ("teflon".to_owned(), Settings::teflon()),
+        ],
+    };
+    let mut rows = Vec::new();
+    for (name, preset) in &presets {
+        rows.extend(renderers::measure(preset)?.into_iter().map(|m| (name, m)));
+    }
+    if let Some(path) = &args.json {
+        let one = |(name, m): &(&String, renderers::Measured)| {
+            json!({
+                "preset": name, "renderer": m.renderer.id(), "sliding_error_n": m.sliding_error,
+                "break_away_error_n": m.break_away_error, "creep_m_per_s": m.creep, "noise_n": m.noise,
+                "energy_per_cycle_j": m.energy,
+            })
+        };
+        let value = json!({ "schema": "tribos.design.renderers/1", "measured": rows.iter().map(one).collect::<Vec<_>>() });
+        let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
+        files::write(path, format!("{text}\n").as_bytes())?;
+    }
+    if args.json.as_deref() == Some(Path::new("-")) {
+        return Ok(Outcome::Done);
+    }
+    let mut table = Table::new(&[
+        "preset",
+        "renderer",
+        ">sliding error, mN",
+        ">break-away error, mN",
+        ">creep, µm/s",
+        ">noise at rest, mN",
+        ">energy given, µJ a cycle",
+    ]);
+    for (name, m) in &rows {
+        table.row([
+            (*name).clone(),
+            m.renderer.id().to_owned(),
+            number(1e3 * m.sliding_error, 3),
+            number(1e3 * m.break_away_error, 3),
+            format!("{:.3}", 1e6 * m.creep),
+            format!("{:.3}", 1e3 * m.noise),
+            number(1e6 * m.energy, 3),
+        ]);
+    }
+    print!("{}", table.render());
+    println!(
+        "  encoder of 2.57 µm, edge times, 0.1 µs of jitter, force 20 µs after the sample; a relaxed hand"
+    );
+    Ok(Outcome::Done)
+}
