@@ -218,7 +218,26 @@ impl Hand for HandImpedance {
 
 #[cfg(test)]
 mod tests {
-    use super::turn;
+    use super::{Target, turn};
+
+    #[test]
+    fn a_hand_that_is_pointed_elsewhere_jumps_neither_in_place_nor_in_speed() {
+        let first = Target::Pursuit { from: 0.0, velocity: 0.0, to: 0.01, at: 1.0, rate: 100.0 };
+        assert_eq!(first.at(1.0), (0.0, 0.0));
+        assert!((first.at(1.2).0 - 0.01).abs() < 1e-9);
+        // pointed elsewhere while it still moves
+        let (from, velocity) = first.at(1.013);
+        let next = Target::Pursuit { from, velocity, to: -0.004, at: 1.013, rate: 100.0 };
+        assert_eq!(next.at(1.013), (from, velocity));
+        let mut worst = 0.0_f64;
+        for k in 1..200 {
+            let (t, h) = (1.013 + 1e-3 * f64::from(k), 1e-6);
+            let slope = (next.at(t + h).0 - next.at(t - h).0) / (2.0 * h);
+            worst = worst.max((slope - next.at(t).1).abs());
+        }
+        println!("velocity against the slope of position: {worst:.1e} m/s");
+        assert!(worst < 1e-7 && (next.at(1.3).0 + 0.004).abs() < 1e-9);
+    }
 
     #[test]
     fn a_turn_is_a_sine_and_a_cosine() {
