@@ -140,8 +140,9 @@ impl From<&Identification> for Model {
                 c_n,
                 b_p: of("viscous_p").unwrap_or(0.0),
                 b_n: of("viscous_n").unwrap_or(0.0),
-                d_p: of("static_p").unwrap_or(c_p).max(0.0),
-                d_n: of("static_n").unwrap_or(c_n).max(0.0),
+                // below the sliding level it is a step that the filter blurred away, and no device renders it
+                d_p: of("static_p").unwrap_or(c_p).max(c_p),
+                d_n: of("static_n").unwrap_or(c_n).max(c_n),
                 delta_v: of("delta_v").unwrap_or(0.0).max(0.0),
             })
         };

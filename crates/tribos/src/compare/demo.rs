@@ -117,3 +117,25 @@ fn feel(model: &Model, path: &Path, seed: u64) -> Result<Recording> {
     recorder::record(&mut session, &plan, path)?;
     reading::read(path, &Mapping::default())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_break_away_that_the_filter_blurred_below_the_sliding_level_was_refused_by_the_device() {
+        let dir = tempfile::tempdir().expect("a folder");
+        // the excitation of ch. 3.5.2
+        let motion = Move { wave: Wave::Sine, amplitude: 0.01, frequency: 2.0, seconds: Some(20.0) };
+        let recording =
+            slide(&BRASS, motion, &dir.path().join("sine.csv"), 11).unwrap_or_else(|e| panic!("{e}"));
+        let signals = prepare(&recording, &Preprocess::default()).expect("signals");
+        let found = identify_karnopp(&signals, &KarnoppOptions::default()).expect("a fit");
+        let of = |name: &str| found.value(name).unwrap_or(f64::NAN);
+        println!("static {:.3} N, sliding {:.3} N", of("static_p"), of("coulomb_p"));
+        assert!(of("static_p") < of("coulomb_p"), "this recording shows nothing any more");
+        let mut session = Session::open("sim", 1).expect("a virtual device");
+        let settled = session.set_all(&Model::from(&found).preset_lines()).expect("a line");
+        assert_eq!(settled.refused, Vec::<String>::new());
+    }
+}
