@@ -6,6 +6,7 @@
 mod agreement;
 mod black_box;
 mod board;
+mod cycles;
 mod endurance;
 mod flash;
 mod identification;

@@ -3,7 +3,7 @@
 use crate::coulomb::CoulombState;
 use crate::dahl::DahlState;
 use crate::lugre::LuGreState;
-use crate::{Coulomb, Dahl, FrictionLaw, Growth, Invalid, Karnopp, LuGre, Motion, Scalar};
+use crate::{Coulomb, Dahl, FrictionLaw, Invalid, Karnopp, LuGre, Motion, Scalar};
 use serde::{Deserialize, Serialize};
 
 /// One of the complete laws.
@@ -50,31 +50,6 @@ impl<S> Law<S> {
 }
 
 impl<S: Scalar> Law<S> {
-    /// The force that the bristles hold with before they are moved, N; 0 for a law without.
-    pub fn held(&self, state: &LawState<S>) -> S {
-        match (self, state) {
-            (Self::Dahl(_), LawState::Dahl(own)) => own.z,
-            (Self::LuGre(law), LawState::LuGre(own)) => law.sigma_0 * own.z,
-            _ => S::zero(),
-        }
-    }
-
-    /// How the force begins to grow over a step in the direction of this sign: what an implicit step predicts with.
-    /// Nothing for a law without bristles.
-    pub fn growth(&self, state: &LawState<S>, motion: &Motion<S>, direction: S) -> Growth<S> {
-        match self {
-            Self::Dahl(law) => {
-                let own = if let LawState::Dahl(own) = *state { own } else { DahlState::default() };
-                law.growth(&own, motion, direction)
-            }
-            Self::LuGre(law) => {
-                let own = if let LawState::LuGre(own) = *state { own } else { LuGreState::default() };
-                law.growth(&own, motion, direction)
-            }
-            Self::Karnopp(_) | Self::Coulomb(_) => Growth { with_slip: S::zero(), with_velocity: S::zero() },
-        }
-    }
-
     #[inline(never)]
     fn step_with_memory(&self, state: &mut LawState<S>, motion: &Motion<S>) -> S {
         match self {

@@ -1,6 +1,6 @@
 //! Dahl's friction, modified for different limits in the two directions (thesis eq. 3.2, 3.3).
 
-use crate::{FrictionLaw, Growth, Invalid, Motion, Scalar, in_range, limits};
+use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
 /// Modified Dahl friction, eq. 3.2 and 3.3. Limits are magnitudes.
@@ -44,14 +44,6 @@ impl<S: Scalar> Default for DahlState<S> {
 }
 
 impl<S: Scalar> Dahl<S> {
-    /// How the force begins to grow over a step in this direction (Dahl's exponent taken as 1).
-    pub(crate) fn growth(&self, state: &DahlState<S>, motion: &Motion<S>, direction: S) -> Growth<S> {
-        let gap = if direction > S::zero() { self.limit_p - state.z } else { self.limit_n + state.z };
-        let limit = if direction > S::zero() { self.limit_p } else { self.limit_n };
-        let share = if limit > S::zero() { (gap / limit).max(S::zero()) } else { S::zero() };
-        Growth { with_slip: self.sigma * motion.dt * share, with_velocity: self.viscous }
-    }
-
     /// What is left of the gap D − s z after sliding `distance`, as a share of what it was.
     fn decay(&self, gap: S, limit: S, distance: S) -> S {
         // A cap in place of infinity (and of 0·∞, which only a vanishing limit gives): both slide to the limit.

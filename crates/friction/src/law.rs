@@ -85,15 +85,6 @@ pub trait FrictionLaw<S: Scalar> {
     fn validate(&self) -> Result<(), Invalid>;
 }
 
-/// How the force of a law with bristles grows over a step, N·s/m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Growth<S> {
-    /// With the mean velocity of the step, that is with the distance slid.
-    pub with_slip: S,
-    /// With the velocity at its end.
-    pub with_velocity: S,
-}
-
 /// A parameter that was refused, and what would be accepted instead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Invalid {

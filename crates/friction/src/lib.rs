@@ -44,7 +44,7 @@ pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
 pub use generalised_maxwell_slip::{MaxwellSlip, MaxwellSlipState};
 pub use hayward_armstrong::{Adhesion, HaywardArmstrong, HaywardArmstrongState};
 pub use karnopp::Karnopp;
-pub use law::{Custom, FrictionLaw, Growth, Invalid, Motion, in_range};
+pub use law::{Custom, FrictionLaw, Invalid, Motion, in_range};
 pub use lugre::{LuGre, LuGreState};
 pub use majd_simaan::MajdSimaan;
 pub use scalar::Scalar;

@@ -1,6 +1,6 @@
 //! LuGre friction: bristles with damping, and a level that falls from stiction to Coulomb with speed.
 
-use crate::{FrictionLaw, Growth, Invalid, Motion, Scalar, in_range, limits};
+use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
 /// LuGre friction (Canudas de Wit, Olsson, Åström, Lischinsky 1995).
@@ -49,14 +49,6 @@ impl<S: Scalar> LuGre<S> {
     pub fn level(&self, velocity: S) -> S {
         let ratio = (velocity / self.stribeck_velocity).clamp(S::lit(-1e3), S::lit(1e3));
         self.coulomb + (self.stiction - self.coulomb) * (-(ratio * ratio)).exp()
-    }
-
-    /// How the force begins to grow over a step in this direction.
-    pub(crate) fn growth(&self, state: &LuGreState<S>, motion: &Motion<S>, direction: S) -> Growth<S> {
-        let (level, zero) = (self.level(motion.velocity), S::zero());
-        let used = if level > zero { direction.sgn() * self.sigma_0 * state.z / level } else { S::one() };
-        let share = (S::one() - used).max(zero);
-        Growth { with_slip: (self.sigma_0 * motion.dt + self.sigma_1) * share, with_velocity: self.sigma_2 }
     }
 
     /// Whether the law can never give back more energy than it was given: σ₂ F_c ≥ σ₁ (F_s − F_c).

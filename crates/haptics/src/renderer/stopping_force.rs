@@ -26,8 +26,8 @@
 //!   then, so friction takes F·w̄ ≥ 0 in every period but one in which the block turns.
 //!
 //! How other laws and effects compose: Karnopp and Coulomb are both levels and slopes here and render the same. A law
-//! with bristles has no set-valued part; its own step is taken over the displacement that one Newton step on the same
-//! equation predicts, which is exact while the bristles are a spring. Effects that oppose motion ([`opposes_motion`])
+//! with bristles (Dahl, LuGre) has no set-valued part to solve for and is stepped as under the virtual coupling. Effects
+//! that oppose motion ([`opposes_motion`])
 //! are added to the levels, so that they stop the block, too, and never push it; all others act on it from outside.
 //!
 //! [`opposes_motion`]: friction::effects::EffectKind::opposes_motion
@@ -35,7 +35,7 @@
 use super::block::{Block, limited};
 use super::{Handle, Rendered};
 use crate::Config;
-use friction::{FrictionLaw, Law, Motion};
+use friction::{Law, Motion};
 
 /// Dry friction in one direction of motion, and its slope.
 #[derive(Clone, Copy)]
@@ -123,6 +123,9 @@ impl Levels {
 impl Block {
     /// One period of the equations above.
     pub(super) fn step_stopping_force(&mut self, config: &Config, handle: &Handle) -> Rendered {
+        let Some(mut levels) = Levels::of(&config.law) else {
+            return self.step_virtual_coupling(config, handle);
+        };
         let (w, period, limit) = (self.velocity, config.device.period, config.device.force_max);
         let x = self.dither.settle(handle, config.device.metre_per_count, config.count_per_metre);
         let brake = self.dither.brake(handle, config.edge_damping);
@@ -151,31 +154,11 @@ impl Block {
                 }
             }
         }
-        let levels = Levels::of(&config.law).map(|mut levels| {
-            if opposing != 0.0 {
-                levels.add(opposing, if w == 0.0 { coupling_now - outside } else { w });
-            }
-            levels
-        });
-        let before = self.law;
+        if opposing != 0.0 {
+            levels.add(opposing, if w == 0.0 { coupling_now - outside } else { w });
+        }
         // inertia·w⁺ + F = drive, either with the coupling in it or with its force at the limit
-        let mut solve = |drive: f32, inertia: f32| match &levels {
-            Some(levels) => levels.solve(drive - outside, inertia, w),
-            None => {
-                self.law = before;
-                let drive = drive - outside - opposing;
-                let held = config.law.held(&before);
-                let direction = inertia * w + drive - held;
-                let growth = config.law.growth(&before, &Motion { velocity: w, ..motion }, direction);
-                let half = 0.5 * growth.with_slip;
-                let predicted = (drive - held - half * w) / (inertia + half + growth.with_velocity);
-                let displacement = 0.5 * period * (w + predicted);
-                let moved = Motion { displacement, velocity: predicted, ..motion };
-                let friction = config.law.step(&mut self.law, &moved);
-                let velocity = (drive - friction) / inertia;
-                Solved { velocity, friction: friction + opposing, mean: 0.5 * (w + velocity) }
-            }
-        };
+        let solve = |drive: f32, inertia: f32| levels.solve(drive - outside, inertia, w);
         let mass = config.mass_per_period;
         let mut end = solve((mass - half) * w + pull, mass + half);
         let mut coupling = pull - half * (w + end.velocity);
@@ -189,18 +172,14 @@ impl Block {
         let before = self.position;
         self.position += self.displacement;
         // dying out, and too slow for the position to notice: at rest, or it would slide for ever
-        let faded = self.position == before && end.velocity.abs() <= w.abs() && levels.is_some();
+        let faded = self.position == before && end.velocity.abs() <= w.abs();
         self.velocity = if faded { 0.0 } else { end.velocity };
         Rendered {
             force: -coupling - brake,
             block_position: self.position,
             block_velocity: self.velocity,
             friction: end.friction + outside,
-            stuck: match levels {
-                Some(_) => self.velocity == 0.0,
-                // bristles hold without ever being quite at rest
-                None => self.velocity.abs() < config.dv,
-            },
+            stuck: self.velocity == 0.0,
         }
     }
 }
