@@ -53,8 +53,7 @@ impl<S: Scalar> Default for ElastoPlasticState<S> {
 impl<S: Scalar> ElastoPlastic<S> {
     /// Steady friction level g(v) without its viscous part, N.
     pub fn level(&self, velocity: S) -> S {
-        let ratio = (velocity / self.stribeck_velocity).clamp(S::lit(-1e3), S::lit(1e3));
-        self.coulomb + (self.stiction - self.coulomb) * (-(ratio * ratio)).exp()
+        limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
 
     /// α for a deflection that points where the motion goes.

@@ -21,3 +21,9 @@ pub(crate) fn bounded<S: Scalar>(force: S) -> S {
 pub(crate) fn sliding<S: Scalar>(level: S, viscous: S, speed: S) -> S {
     (level + viscous * speed).max(S::zero())
 }
+
+/// A level that falls from `stiction` at rest to `coulomb` with speed: g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²).
+pub(crate) fn stribeck<S: Scalar>(coulomb: S, stiction: S, velocity: S, stribeck_velocity: S) -> S {
+    let ratio = (velocity / stribeck_velocity).clamp(S::lit(-1e3), S::lit(1e3));
+    coulomb + (stiction - coulomb) * (-(ratio * ratio)).exp()
+}

@@ -47,8 +47,7 @@ impl<S: Scalar> Default for LuGreState<S> {
 impl<S: Scalar> LuGre<S> {
     /// Steady friction level g(v) without its viscous part, N.
     pub fn level(&self, velocity: S) -> S {
-        let ratio = (velocity / self.stribeck_velocity).clamp(S::lit(-1e3), S::lit(1e3));
-        self.coulomb + (self.stiction - self.coulomb) * (-(ratio * ratio)).exp()
+        limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
 
     /// Whether the law can never give back more energy than it was given: σ₂ F_c ≥ σ₁ (F_s − F_c).
