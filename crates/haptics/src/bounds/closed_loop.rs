@@ -220,7 +220,7 @@ mod tests {
     }
 
     /// Largest of the last tenth of a simulated free motion over the largest of the first, by stepping small steps.
-    fn growth(c: &ClosedLoop, block: f64) -> f64 {
+    fn growth(c: &ClosedLoop, block: f64, stopping_force: bool) -> f64 {
         const FINE: u32 = 400;
         let h = c.period / f64::from(FINE);
         let mass = c.device_mass + c.grasp.mass;
@@ -228,9 +228,22 @@ mod tests {
         let (mut x, mut v, mut p, mut w, mut held) = (0.0, 0.1, 0.0, 0.0, 0.0);
         let (mut early, mut late) = (0.0_f64, 0.0_f64);
         for n in 0..4000 {
-            let force = -c.stiffness * (x - p) - c.damping * (v - w);
-            w -= c.period / block * force;
-            p += c.period * w;
+            let force = if stopping_force {
+                // w⁺ from M (w⁺ − w)/T = F_c with the coupling at the middle of the period
+                let half = 0.25 * c.stiffness * c.period + 0.5 * c.damping;
+                let pull = c.stiffness * (x - p) + c.damping * v;
+                let inertia = block / c.period;
+                let after = (pull + (inertia - half) * w) / (inertia + half);
+                let force = half * (w + after) - pull;
+                p += 0.5 * c.period * (w + after);
+                w = after;
+                force
+            } else {
+                let force = -c.stiffness * (x - p) - c.damping * (v - w);
+                w -= c.period / block * force;
+                p += c.period * w;
+                force
+            };
             for s in 0..FINE {
                 let acting = if f64::from(s) * h < c.delay { held } else { force };
                 v += h * (acting - damping * v - spring * x) / mass;
@@ -259,16 +272,26 @@ mod tests {
             (Grasp { mass: 1.0, damping: 30.0, stiffness: 1000.0 }, 1e-3, 0.1, 10.0),
         ] {
             let at = |k: f64| ClosedLoop { grasp, ..held(0.692, 6.92, delay, k, b) };
-            let (mut low, mut high) = (10.0, 1e7);
-            while high / low > 1.0001 {
-                let k = f64::sqrt(low * high);
-                if at(k).radius_sliding(block) < 1.0 { low = k } else { high = k }
+            for stopping_force in [false, true] {
+                let radius = |c: ClosedLoop| {
+                    if stopping_force {
+                        c.radius_sliding_stopping_force(block)
+                    } else {
+                        c.radius_sliding(block)
+                    }
+                };
+                let (mut low, mut high) = (10.0, 1e7);
+                while high / low > 1.0001 {
+                    let k = f64::sqrt(low * high);
+                    if radius(at(k)) < 1.0 { low = k } else { high = k }
+                }
+                let grows = |share: f64| growth(&at(share * low), block, stopping_force);
+                let (inside, outside) = (grows(0.97), grows(1.03));
+                println!(
+                    "{grasp:?} delay {delay}, stopping force {stopping_force}: K {low:.0} N/m; grows by {inside:.1e} inside, {outside:.1e} outside"
+                );
+                assert!(inside < 0.5 && outside > 2.0);
             }
-            let (inside, outside) = (growth(&at(0.97 * low), block), growth(&at(1.03 * low), block));
-            println!(
-                "{grasp:?} delay {delay}: K {low:.0} N/m; grows by {inside:.1e} inside, {outside:.1e} outside"
-            );
-            assert!(inside < 0.5 && outside > 2.0);
         }
     }
 }
