@@ -71,14 +71,11 @@ pub(crate) fn channels(history: &History, body: &Body, hidden: &[Hidden]) -> Cha
             "actuator_lag" => force = (0..n).map(|i| history.command[i * FINE]).collect(),
             "time_skew" => force = late(&history.force, g),
             "velocity_lag" => {
-                // a first-order estimator, exact for a velocity that is straight between samples
-                let keep = (-1.0 / (RATE * g)).exp();
-                let mean = RATE * g * (1.0 - keep);
-                let mut before = w.first().copied().unwrap_or(0.0);
-                let mut state = before;
+                // a first-order estimator
+                let keep = estimator(g);
+                let mut state = w.first().copied().unwrap_or(0.0);
                 for w in &mut w {
-                    state = keep * state + (mean - keep) * before + (1.0 - mean) * *w;
-                    before = *w;
+                    state = *w + (state - *w) * keep;
                     *w = state;
                 }
             }
@@ -111,6 +108,17 @@ pub(crate) fn channels(history: &History, body: &Body, hidden: &[Hidden]) -> Cha
         })
         .collect();
     Channels { y, w, force, beyond }
+}
+
+/// What a first-order estimator with this time constant, s, keeps of its state in a sample.
+fn estimator(time: f64) -> f64 {
+    (-1.0 / (RATE * time)).exp()
+}
+
+/// How late that makes a ramp, s: less than the time constant, as it sees each sample when it comes.
+pub(crate) fn estimator_delay(time: f64) -> f64 {
+    let keep = estimator(time);
+    keep / (1.0 - keep) / RATE
 }
 
 /// The fine series `by` seconds late, at every sample.
