@@ -17,8 +17,9 @@ pub const LEVEL: f64 = 0.01;
 pub const COLLINEAR: f64 = 0.95;
 /// Share of an effect left outside the baseline (U) below which a recording is said to be blind to it.
 pub const CONCEALED: f64 = 0.1;
-/// The same below which it is not looked for: a strong effect may stand out by less than what one would rely on.
-const HIDDEN: f64 = 0.04;
+/// The same for a gain of the whole force channel, below which it is not looked for: nearly all of it is friction and mass
+/// of another size, and as it has no shape to choose it is found by the little that is not.
+const CONCEALED_GAIN: f64 = 0.04;
 /// Smallest share of the mismatch above the floor for which a term is worth naming.
 const MATERIAL: f64 = 0.01;
 /// Or of what the terms before it left: where a spring is nearly all of the force, what stiffens it is less than a
@@ -171,7 +172,11 @@ impl Catalogue {
 
 /// Whether an atom may be found: it stands out of the baseline at all, and above its own noise.
 pub fn is_testable(atom: &Atom) -> bool {
-    !atom.columns.is_empty() && atom.visible >= HIDDEN && atom.reliable >= needed_reliability(atom.term.kind)
+    let least = match atom.term.kind {
+        TermKind::Sensor(sensor) if sensor.shape.is_empty() => CONCEALED_GAIN,
+        _ => CONCEALED,
+    };
+    !atom.columns.is_empty() && atom.visible >= least && atom.reliable >= needed_reliability(atom.term.kind)
 }
 
 /// Whether the recording can be relied on to show it: what is not found is not there.
