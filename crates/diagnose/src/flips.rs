@@ -14,6 +14,11 @@ pub fn block_scores(column: &[f64], residual: &[f64], blocks: &Blocks) -> Scores
     (0..blocks.len()).map(|k| dot(&column[blocks.rows(k)], &residual[blocks.rows(k)])).collect()
 }
 
+/// A random sign for every block.
+pub fn signs(random: &mut impl RngExt, blocks: usize) -> Vec<f64> {
+    (0..blocks).map(|_| if random.random::<bool>() { 1.0 } else { -1.0 }).collect()
+}
+
 /// The outcome of a family of tests.
 #[derive(Debug, Clone)]
 pub struct Family {
@@ -48,8 +53,7 @@ pub fn family(observed: &[Scores], noise: &[Scores], scale: &[f64], flips: usize
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut maxima: Vec<f64> = (0..flips)
         .map(|_| {
-            let signs: Vec<f64> =
-                (0..blocks).map(|_| if random.random::<bool>() { 1.0 } else { -1.0 }).collect();
+            let signs = signs(&mut random, blocks);
             noise
                 .iter()
                 .zip(&deviation)
