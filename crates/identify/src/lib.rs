@@ -15,6 +15,7 @@ mod csv_io;
 mod cutoff;
 mod dahl;
 mod dahl_fit;
+pub mod dynamics;
 mod error;
 mod expression;
 mod filter;

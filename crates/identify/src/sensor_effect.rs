@@ -1,6 +1,7 @@
 //! Effects of sensors and drive that a model carries beside its physics, by their ids in the catalogue. A device that
 //! renders the model leaves them out; a prediction of a recording needs them.
 
+use crate::dynamics::{first_order_lag, load_in_play, load_on_spring};
 use crate::four_point_difference;
 use crate::predict::Kinematics;
 use friction::{Invalid, in_range};
@@ -120,7 +121,7 @@ impl SensorEffect {
         match *self {
             Self::ActuatorLag { command, channel, lag } => {
                 let rate = slope(model);
-                let slow = lagged(model, lag, dt);
+                let slow = first_order_lag(model, lag, dt);
                 (0..model.len()).map(|i| command * lag * rate[i] + channel * (slow[i] - model[i])).collect()
             }
             Self::VelocityLag { force, lag } => {
@@ -141,69 +142,15 @@ impl SensorEffect {
             }
             Self::Compliance { mass, frequency, damping } => {
                 let drive = motion.acceleration;
-                let load = hung(drive, frequency, damping, dt);
+                let load = load_on_spring(drive, frequency, damping, dt);
                 load.iter().zip(drive).map(|(load, a)| mass * (load - a)).collect()
             }
             Self::Backlash { mass, gap } => {
-                let load = loose(motion.position, gap, dt);
+                let load = load_in_play(motion.position, gap, dt);
                 load.iter().zip(motion.acceleration).map(|(load, a)| mass * (load - a)).collect()
             }
         }
     }
-}
-
-/// Acceleration of a load that hangs on `drive` by a spring and a damper: it swings at `frequency` Hz with the drive held.
-/// Trapezoidal rule, started in step.
-fn hung(drive: &[f64], frequency: f64, damping: f64, dt: f64) -> Vec<f64> {
-    let (w, k) = (std::f64::consts::TAU * frequency, 2.0 / dt);
-    let (spring, damper) = (w * w, 2.0 * damping * w * k);
-    let a0 = k * k + damper + spring;
-    let start = drive.first().copied().unwrap_or(0.0);
-    let ([mut x1, mut x2], [mut y1, mut y2]) = ([start; 2], [start; 2]);
-    drive
-        .iter()
-        .map(|&x| {
-            let driven = (damper + spring) * x + 2.0 * spring * x1 + (spring - damper) * x2;
-            let y = (driven - 2.0 * (spring - k * k) * y1 - (k * k - damper + spring) * y2) / a0;
-            ([x1, x2], [y1, y2]) = ([x, x1], [y, y1]);
-            y
-        })
-        .collect()
-}
-
-/// Acceleration of a load behind a play `gap`: free inside it, caught at its ends.
-fn loose(drive: &[f64], gap: f64, dt: f64) -> Vec<f64> {
-    let half = 0.5 * gap;
-    let (mut x, mut v) = (drive.first().copied().unwrap_or(0.0), 0.0_f64);
-    let mut before = x;
-    drive
-        .iter()
-        .map(|&at| {
-            let speed = (at - before) / dt;
-            before = at;
-            let was = v;
-            x += v * dt;
-            if x > at + half {
-                (x, v) = (at + half, v.min(speed));
-            } else if x < at - half {
-                (x, v) = (at - half, v.max(speed));
-            }
-            (v - was) / dt
-        })
-        .collect()
-}
-
-/// A first-order lag with time constant `lag`, started in its steady state.
-fn lagged(series: &[f64], lag: f64, dt: f64) -> Vec<f64> {
-    let keep = (-dt / lag.max(1e-300)).exp();
-    let mut state = series.first().copied().unwrap_or(0.0);
-    series
-        .iter()
-        .map(|x| {
-            state = x + (state - x) * keep;
-            state
-        })
-        .collect()
 }
 
 /// `series` later by `delay` s, interpolated; its ends are held.

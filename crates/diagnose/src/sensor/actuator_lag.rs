@@ -4,10 +4,11 @@
 //!
 //! The command runs ahead of the force by exactly T·dF/dt; what a channel shows is the force behind the exact lag.
 
-use super::{Sensor, lag, true_force};
+use super::{Sensor, true_force};
 use crate::signal::derivative;
 use crate::track::Track;
 use friction::effects::Parameter;
+use identify::dynamics::first_order_lag;
 
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
@@ -36,11 +37,11 @@ pub const SENSOR: Sensor = Sensor {
 
 fn columns(track: &Track, shape: &[f64; 2]) -> Vec<Vec<f64>> {
     let (dt, time) = (track.raw.dt, shape[0]);
-    let commanded = true_force(track, &lag(&track.f, time, dt));
+    let commanded = true_force(track, &first_order_lag(&track.f, time, dt));
     let command = derivative(&commanded, dt).iter().map(|rate| time * rate).collect();
     let rate = derivative(&track.f, dt);
     let sensed: Vec<f64> = track.f.iter().zip(&rate).map(|(f, rate)| f + time * rate).collect();
     let sensed = true_force(track, &sensed);
-    let channel = lag(&sensed, time, dt).iter().zip(&sensed).map(|(slow, f)| slow - f).collect();
+    let channel = first_order_lag(&sensed, time, dt).iter().zip(&sensed).map(|(slow, f)| slow - f).collect();
     vec![command, channel]
 }

@@ -49,19 +49,6 @@ pub const ALL: &[Sensor] = &[
     saturation::SENSOR,
 ];
 
-/// A first-order lag with time constant `tau`, started in its steady state.
-pub(crate) fn lag(series: &[f64], tau: f64, dt: f64) -> Vec<f64> {
-    let keep = (-dt / tau.max(1e-300)).exp();
-    let mut state = series.first().copied().unwrap_or(0.0);
-    series
-        .iter()
-        .map(|x| {
-            state = x + (state - x) * keep;
-            state
-        })
-        .collect()
-}
-
 /// Share of a transport effect above which it is another time constant that is meant.
 pub(crate) const MOST_SHARE: f64 = 1.3;
 
