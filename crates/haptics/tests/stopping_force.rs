@@ -157,7 +157,7 @@ fn a_path_that_closes_takes_work_from_the_hand_and_gives_none() {
     for (rate, mass, k_vc, b_vc) in [
         (9.0, 0.4_f32, 8_000.0_f32, 15.0_f32),
         (60.0, 0.05, 20_000.0, 5.0),
-        (200.0, 1.0, 8_000.0, 0.0),
+        (200.0, 1.0, 7_500.0, 0.0),
         (31.0, 0.01, 2_000.0, 3.0),
     ] {
         let settings = Settings { mass, k_vc, b_vc, ..base() };

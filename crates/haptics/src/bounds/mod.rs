@@ -7,9 +7,11 @@
 
 mod closed_loop;
 mod delay;
+mod free_block;
 
 pub use closed_loop::{ClosedLoop, Grasp};
 pub use delay::stiffness_max_delayed;
+pub use free_block::FreeBlock;
 
 use friction::Scalar;
 

@@ -9,7 +9,8 @@ use friction::effects::EffectKind;
 const HEAVIEST: f32 = 100.0;
 /// Lightest, kg.
 const LIGHTEST: f32 = 1e-3;
-/// A block is this much heavier than where it would begin to oscillate.
+/// A block is this much heavier, and its coupling softer, than where it would begin to oscillate: more than single
+/// precision loses on the way to the bound.
 const HEAVIER: f32 = 1.001;
 /// Smallest speed that may be taken for zero, and Stribeck velocity, m/s.
 const SLOWEST: f32 = 1e-6;
@@ -60,6 +61,7 @@ impl Settings {
         self.coupling(device)?;
         // the mass before what depends on it: a person who types a mass is told of the mass
         self.block(device)?;
+        self.free_block(device)?;
         self.bristles(device)?;
         self.damping(device)?;
         self.check_effects(device)?;
@@ -145,11 +147,27 @@ impl Settings {
         if self.law == LawKind::LuGre { self.sigma_1 } else { 0.0 }
     }
 
+    /// The coupling acts on the block in the middle of the period: bristles are stepped as under the virtual coupling.
+    fn midpoint(&self) -> bool {
+        self.renderer == RendererKind::StoppingForce
+            && matches!(self.law, LawKind::Karnopp | LawKind::Coulomb)
+    }
+
+    /// The mass that eq. 4.35 sees, kg per kg of block: a handle that is not held still gives way, which makes the
+    /// coupling's damping act as if there were more of it (KT² + 2BT (1 + M/m) < 4M, by the bound on damping with b).
+    /// Not where the coupling acts in the middle of the period.
+    fn share_of_mass(&self, device: &Device) -> f32 {
+        if self.midpoint() {
+            return 1.0;
+        }
+        1.0 - self.b_vc / bounds::damping_max(device.mass, device.damping, device.period)
+    }
+
     /// Damping, N·s/m, that the block takes beside its coupling and bristles: KT² + 2BT < 4M, where eq. 4.35 is
     /// singular, with a thousandth to spare.
     fn room(&self, device: &Device, bristles: f32) -> f32 {
-        let period = device.period;
-        bounds::damping_singular(self.mass / HEAVIER, self.k_vc + bristles, period)
+        let mass = self.mass / HEAVIER * self.share_of_mass(device);
+        bounds::damping_singular(mass, self.k_vc + bristles, device.period)
             - self.b_vc
             - self.bristle_damping()
     }
@@ -184,8 +202,8 @@ impl Settings {
         share(self.damping_p).max(share(self.damping_n))
     }
 
-    /// The mass, and with the virtual coupling the block between a handle held still and the surface:
-    /// KT² + 2BT < 4M, where eq. 4.35 is singular. Bristles that no block of 1 kg takes are refused by themselves.
+    /// The mass, and with the virtual coupling the block between the handle and the surface: KT² + 2BT < 4M, where
+    /// eq. 4.35 is singular. Bristles that no block of 1 kg takes are refused by themselves.
     fn block(&self, device: &Device) -> Result<(), Refused> {
         let why = "kg; a lighter block oscillates on its coupling (eq. 4.35)";
         let mut lightest = LIGHTEST;
@@ -201,9 +219,30 @@ impl Settings {
                 stiffness += sigma;
             }
             let needed = (stiffness * period * period + 2.0 * damping * period) / 4.0 * HEAVIER;
-            lightest = LIGHTEST.max(at_least(needed));
+            lightest = LIGHTEST.max(at_least(needed / self.share_of_mass(device)));
         }
         within("mass", self.mass, lightest, HEAVIEST, why)
+    }
+
+    /// Handle and block let go together: the whole sampled loop.
+    fn free_block(&self, device: &Device) -> Result<(), Refused> {
+        if !self.renderer.has_block() {
+            return Ok(());
+        }
+        let pair = bounds::FreeBlock {
+            device_mass: device.mass,
+            device_damping: device.damping,
+            period: device.period,
+            delay: device.delay,
+            mass: self.mass,
+            midpoint: self.midpoint(),
+        };
+        let asked = self.k_vc * HEAVIER;
+        if pair.is_stable(asked, self.b_vc) {
+            return Ok(());
+        }
+        let most = at_most(pair.stiffness_max(self.b_vc, asked) / HEAVIER);
+        within("k_vc", self.k_vc, 1.0, most, "N/m; above, handle and sliding block swing against each other")
     }
 
     fn check_effects(&self, device: &Device) -> Result<(), Refused> {
@@ -236,9 +275,9 @@ impl Settings {
                 (Self::stiffness_cap(device, self.b_vc) - self.k_vc, most)
             }
             RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
-                let mass = self.mass;
+                let mass = self.mass * self.share_of_mass(device);
                 let left = bounds::stiffness_singular(mass, self.b_vc, period) - self.k_vc;
-                (left, bounds::damping_singular(mass, self.k_vc, period))
+                (left, bounds::damping_singular(mass, self.k_vc, period) - self.b_vc)
             }
         };
         let reach = device.stroke / 2.0;

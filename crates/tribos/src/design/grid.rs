@@ -221,6 +221,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn handle_and_free_block_unstable_together_were_accepted() {
+        let (mut accepted, mut refused_for_it) = (0, 0);
+        for n in 0..10_000 {
+            let point = Point::new(n);
+            for &renderer in RendererKind::ALL {
+                match point.settings(renderer, 1e-3).validate(&point.device()) {
+                    Ok(_) => {
+                        accepted += 1;
+                        let radius = point.radius(renderer);
+                        assert!(radius < STABLE, "{}: spectral radius {radius}, {point:?}", renderer.id());
+                    }
+                    Err(refused) => {
+                        refused_for_it += u32::from(refused.why.contains("swing against each other"))
+                    }
+                }
+            }
+        }
+        println!(
+            "{accepted} accepted in a hand from released to held, all stable; {refused_for_it} refused for the free block"
+        );
+        assert!(accepted > 20_000 && refused_for_it > 0);
+    }
+
+    #[test]
     fn inside_the_linear_bound_the_stopping_force_always_comes_to_rest_and_the_thesis_does_not() {
         let outcomes = run(if cfg!(debug_assertions) { 250 } else { 2_000 }, 1e-3);
         for (at, renderer) in RendererKind::ALL.iter().enumerate() {
