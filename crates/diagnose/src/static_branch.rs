@@ -1,6 +1,9 @@
 //! Where the baseline's static branch ends: Karnopp's law balances whatever load there is below a speed Δv, so samples
 //! slower than that say nothing about sliding, and a step at Δv is no physics that was left out.
 //!
+//! It shows in one of two ways: the force there wanders with the load, or, where the branch brakes with all it has, it is the
+//! static level, higher than that of sliding whether the body slows down or gathers speed.
+//!
 //! A step, not a slope: smooth physics at low speed (a Stribeck curve, frictional lag) changes as much in the bins above
 //! an edge as across it.
 
@@ -32,33 +35,78 @@ pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
     }
     let excess = excess(&used, 0.5 * SPAN * top)?;
     let width = SPAN * top / BINS as f64;
-    let mut bins = [(0.0, 0.0, 0.0); BINS];
-    for (e, v) in excess.iter().zip(&speeds) {
-        if let Some(bin) = bins.get_mut((v / width) as usize) {
-            *bin = (bin.0 + e, bin.1 + e * e, bin.2 + 1.0);
+    let bins = |wanted: &dyn Fn(usize, &Track) -> bool| {
+        let mut bins = [Bin::default(); BINS];
+        for ((e, v), _) in excess.iter().zip(&speeds).zip(&used).filter(|(_, (i, t))| wanted(*i, t)) {
+            if let Some(bin) = bins.get_mut((v / width) as usize) {
+                *bin = Bin { sum: bin.sum + e, squares: bin.squares + e * e, count: bin.count + 1.0 };
+            }
         }
-    }
-    // mean, squared standard error and variance over some bins
-    let over = |from: usize, to: usize| -> Option<(f64, f64, f64)> {
-        let (sum, squares, count) =
-            bins.get(from..to)?.iter().fold((0.0, 0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2));
-        let mean = sum / count;
-        let variance = (squares / count - mean * mean).max(0.0);
-        (count >= 20.0).then_some((mean, variance / count, variance))
+        bins
     };
-    let steps = |edge: &usize| -> Option<bool> {
-        let edge = *edge;
-        let (below, above) = (over(edge.checked_sub(SIDE)?, edge)?, over(edge, edge + SIDE)?);
-        let further = over(edge + SIDE, edge + 3 * SIDE)?;
-        let jump = (below.0 - above.0).abs();
-        let error = (below.1 + above.1).sqrt();
-        let flat = (above.0 - further.0).abs() < FLAT * jump;
-        let wanders = below.2 > WANDERS * WANDERS * above.2;
-        Some(flat && wanders && jump > SURE * error)
+    let all = bins(&|_, _| true);
+    let slowing = bins(&|i, t| t.v[i] * t.a[i] < 0.0);
+    let gathering = bins(&|i, t| t.v[i] * t.a[i] > 0.0);
+    let wanders = |edge: &usize| {
+        Step::at(&all, *edge).is_some_and(|s| s.is_one() && s.below.2 > WANDERS * WANDERS * s.above.2)
+    };
+    let static_level = |edge: &usize| {
+        let of = |bins| Step::at(bins, *edge).filter(|s| s.rises());
+        of(&slowing).zip(of(&gathering)).is_some_and(|(before, _)| before.is_one())
     };
     // the highest: rest itself is a step, too, at the bottom of the band
-    let edge = (1..BINS).rfind(|edge| steps(edge) == Some(true))?;
+    let edge = (1..BINS).rfind(|edge| wanders(edge) || static_level(edge))?;
     Some((edge as f64 * width, 0.5 * width))
+}
+
+/// Excess force of the samples in a bin.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bin {
+    sum: f64,
+    squares: f64,
+    count: f64,
+}
+
+/// Mean, squared standard error and variance on either side of an edge between bins, and further above it.
+struct Step {
+    below: (f64, f64, f64),
+    above: (f64, f64, f64),
+    further: (f64, f64, f64),
+}
+
+impl Step {
+    fn at(bins: &[Bin; BINS], edge: usize) -> Option<Self> {
+        let over = |from: usize, to: usize| -> Option<(f64, f64, f64)> {
+            let bins = bins.get(from..to)?;
+            let total = |of: fn(&Bin) -> f64| bins.iter().map(of).sum::<f64>();
+            let count = total(|b| b.count);
+            let mean = total(|b| b.sum) / count;
+            let variance = (total(|b| b.squares) / count - mean * mean).max(0.0);
+            (count >= 20.0).then_some((mean, variance / count, variance))
+        };
+        Some(Self {
+            below: over(edge.checked_sub(SIDE)?, edge)?,
+            above: over(edge, edge + SIDE)?,
+            further: over(edge + SIDE, edge + 3 * SIDE)?,
+        })
+    }
+
+    fn jump(&self) -> f64 {
+        self.below.0 - self.above.0
+    }
+
+    fn is_sure(&self) -> bool {
+        self.jump().abs() > SURE * (self.below.1 + self.above.1).sqrt()
+    }
+
+    /// Flat above the edge, and surely another force below it.
+    fn is_one(&self) -> bool {
+        (self.above.0 - self.further.0).abs() < FLAT * self.jump().abs() && self.is_sure()
+    }
+
+    fn rises(&self) -> bool {
+        self.jump() > 0.0 && self.is_sure()
+    }
 }
 
 /// Force beyond what sliding explains, against the motion, at every sample used. What sliding explains is fitted to the

@@ -36,15 +36,24 @@ impl Signature for FrictionalLag {
         motion: &Motion<S>,
     ) -> [S; MAX_GAINS] {
         let [lag, v_s] = *shape;
-        let [u, started, ..] = memory;
-        let (v, zero) = (motion.velocity, S::zero());
+        let [u, started, before, ..] = memory;
+        let (v, zero, one) = (motion.velocity, S::zero(), S::one());
+        let mut change = zero;
         if *started == zero {
             *u = v; // a recording may begin in motion
-            *started = S::one();
+            *started = one;
         } else if motion.dt > zero {
-            *u = v + (*u - v) * (-(motion.dt / lag)).exp();
+            // exact for a velocity that is straight between samples: held, it would come half a sample less late
+            let x = motion.dt / lag;
+            let keep = (-x).exp();
+            *u = keep * (*u - *before) + v - (v - *before) * ((one - keep) / x);
+            change = ((v - *u) * x).abs();
         }
+        *before = v;
         let falling = |speed: S| (-(speed.abs() / v_s)).exp();
-        [u.sgn() - v.sgn(), v.sgn() * (falling(*u) - falling(v)), zero, zero]
+        // the mean of sgn u over the sample: the moment at which it turns is known better than to a sample
+        let twice = *u + *u;
+        let sign = if twice.abs() < change { twice / change } else { u.sgn() };
+        [sign - v.sgn(), v.sgn() * (falling(*u) - falling(v)), zero, zero]
     }
 }
