@@ -1,4 +1,4 @@
-//! Linker arguments of the firmware. On a PC there is nothing to do.
+//! Linker arguments of the firmware and of what is timed beside it. On a PC there is nothing to do.
 
 fn main() {
     println!("cargo:rerun-if-changed=memory.x");
@@ -11,5 +11,6 @@ fn main() {
     println!("cargo:rustc-link-search={out}");
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
         println!("cargo:rustc-link-arg-bins={argument}");
+        println!("cargo:rustc-link-arg-examples={argument}");
     }
 }

@@ -6,7 +6,7 @@ use link::{Decoder, Frame, Item, Sample, reply};
 use plant::RigConfig;
 use plant::materials::Material;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// The image, built once for all tests; `None` without a toolchain for the target.
@@ -16,11 +16,16 @@ pub fn image() -> Option<&'static Image> {
 }
 
 fn build() -> Option<Image> {
+    built(firmware::build)
+}
+
+/// What this builds, given the workspace and the target directory.
+pub fn built(build: impl Fn(&Path, &Path) -> Result<PathBuf, BuildError>) -> Option<Image> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     // …/target/debug/deps/elf-…: below the target directory that cargo was told to use
     let own = std::env::current_exe().expect("a test has a path");
     let target = own.ancestors().nth(3).expect("cargo's layout");
-    match firmware::build(root, target) {
+    match build(root, target) {
         Ok(path) => {
             let elf = std::fs::read(&path).expect("cargo said it is there");
             Some(Image::parse(&elf).expect("an image for this chip"))

@@ -1,12 +1,12 @@
 //! What a control step costs on the target under every law and every renderer.
 
-use crate::board::Board;
+use crate::board::{Board, built};
+use crate::law_names::{COLUMNS, DONE, NAMES};
+use emulator::{Machine, firmware};
 use haptics::{LawKind, RendererKind};
 
 /// Budget of a control step, cycles: a tenth of the period at 10 kHz.
 const BUDGET: f64 = 1_700.0;
-/// LuGre takes two exponentials and does not meet it: what it may take until it does.
-const LUGRE: f64 = 1_950.0;
 
 #[test]
 fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
@@ -33,10 +33,48 @@ fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
             board.run(600.0);
             let cycles = board.machine.statistics().step_cycles;
             row += &format!("{:>10.0} ({:5.0})", cycles.mean(), cycles.max);
-            let most = if *law == LawKind::LuGre { LUGRE } else { BUDGET };
-            assert!(cycles.max < most, "{} with {}: {} cycles", law.id(), renderer.id(), cycles.max);
+            assert!(cycles.max < BUDGET, "{} with {}: {} cycles", law.id(), renderer.id(), cycles.max);
             board.ok("render off");
         }
         println!("{row}");
+    }
+}
+
+#[test]
+fn cycles_of_every_law_and_of_a_bond() {
+    let Some(image) = built(|root, target| firmware::build_example(root, target, "laws")) else { return };
+    let mut machine = Machine::free_handle(&image, 1);
+    let words = COLUMNS * NAMES.len() + 1;
+    let mut table = Vec::new();
+    for _ in 0..200 {
+        machine.run_for(100.0);
+        table = machine.static_words("LAW_CYCLES", words).expect("the static of examples/laws.rs");
+        if table.last() == Some(&DONE) {
+            break;
+        }
+    }
+    assert_eq!(table.last(), Some(&DONE), "not done after 20 s: {}", machine.whereabouts());
+    println!("{:44}{:>6} {:>6}", "one step of a law, cycles:", "mean", "worst");
+    for (name, row) in NAMES.iter().zip(table.chunks(COLUMNS)) {
+        println!("{name:44}{:>6} {:>6}", row[0], row[1]);
+    }
+    let row = |name: &str| {
+        let at = NAMES.iter().position(|n| *n == name).expect("a row");
+        [f64::from(table[COLUMNS * at]), f64::from(table[COLUMNS * at + 1])]
+    };
+    let [few, some, many] = ["bristle, 10 bonds", "bristle, 20 bonds", "bristle, 50 bonds"].map(row);
+    let a_bond = (many[0] - few[0]) / 40.0;
+    let fixed = few[0] - 10.0 * a_bond;
+    println!(
+        "a bond: {a_bond:.1} cycles on the mean, {:.1} at worst; {fixed:.0} beside the bonds",
+        (many[1] - few[1]) / 40.0
+    );
+    // linear in the bonds
+    assert!(a_bond > 5.0 && (some[0] - few[0] - 10.0 * a_bond).abs() < 0.1 * some[0]);
+    for name in NAMES.iter().filter(|name| !name.starts_with("bristle")) {
+        let [_, worst] = row(name);
+        // six sines and three exponentials in a step that slides through the whole transition
+        let most = if *name == "elasto_plastic" { 2_000.0 } else { BUDGET };
+        assert!(worst > 0.0 && worst < most, "{name}: {worst} cycles");
     }
 }

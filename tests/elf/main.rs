@@ -10,6 +10,7 @@ mod cycles;
 mod endurance;
 mod flash;
 mod identification;
+mod law_names;
 mod mutations;
 mod no_panic;
 mod plot;

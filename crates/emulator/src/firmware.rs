@@ -37,18 +37,32 @@ pub fn build(root: &Path, target: &Path) -> Result<PathBuf, BuildError> {
 /// # Errors
 /// When no toolchain has the target or the build fails.
 pub fn build_bin(root: &Path, target: &Path, bin: &str) -> Result<PathBuf, BuildError> {
+    Ok(build_one(root, target, ["--bin", bin])?.join(bin))
+}
+
+/// The same for an example of the firmware's package.
+///
+/// # Errors
+/// When no toolchain has the target or the build fails.
+pub fn build_example(root: &Path, target: &Path, example: &str) -> Result<PathBuf, BuildError> {
+    Ok(build_one(root, target, ["--example", example])?.join("examples").join(example))
+}
+
+/// Builds what cargo calls by these arguments; the directory of the profile.
+fn build_one(root: &Path, target: &Path, what: [&str; 2]) -> Result<PathBuf, BuildError> {
     let toolchain = [None, Some(FALLBACK)].into_iter().find(|t| has_target(root, *t));
     let toolchain = toolchain.ok_or(BuildError::NoToolchain)?;
     let target = target.join("thumb");
     let built = command(root, "cargo", toolchain)
-        .args(["build", "--release", "--target", TARGET, "--package", PACKAGE, "--bin", bin])
+        .args(["build", "--release", "--target", TARGET, "--package", PACKAGE])
+        .args(what)
         .env("CARGO_TARGET_DIR", &target)
         .status()
         .is_ok_and(|status| status.success());
     if !built {
         return Err(BuildError::Failed);
     }
-    Ok(target.join(TARGET).join("release").join(bin))
+    Ok(target.join(TARGET).join("release"))
 }
 
 /// A tool of a toolchain, without what the outer cargo put into the environment.

@@ -360,6 +360,19 @@ impl Machine {
         changed
     }
 
+    /// The words of RAM from a static of the image on, by a part of its name; `None` when the image has none of it.
+    #[must_use]
+    pub fn static_words(&self, name: &str, words: usize) -> Option<Vec<u32>> {
+        let (_, address) = self.image.symbols.iter().find(|(symbol, _)| symbol.contains(name))?;
+        let begin = u64::from(address.checked_sub(RAM_BASE)?);
+        let word = |k: usize| {
+            let mut word = [0; 4];
+            self.ram.read_at(begin + 4 * k as u64, &mut word).ok()?;
+            Some(u32::from_le_bytes(word))
+        };
+        (0..words).map(word).collect()
+    }
+
     /// Address of the first halfword of the image with this value that is code's to have.
     #[must_use]
     pub fn find_code(&self, halfword: u16) -> Option<u32> {

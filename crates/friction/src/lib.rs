@@ -23,6 +23,7 @@ mod dahl;
 mod dual;
 pub mod effects;
 mod elasto_plastic;
+mod exponential;
 mod generalised_maxwell_slip;
 mod hayward_armstrong;
 mod karnopp;

@@ -24,6 +24,13 @@ pub(crate) fn sliding<S: Scalar>(level: S, viscous: S, speed: S) -> S {
 
 /// A level that falls from `stiction` at rest to `coulomb` with speed: g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²).
 pub(crate) fn stribeck<S: Scalar>(coulomb: S, stiction: S, velocity: S, stribeck_velocity: S) -> S {
-    let ratio = (velocity / stribeck_velocity).clamp(S::lit(-1e3), S::lit(1e3));
-    coulomb + (stiction - coulomb) * (-(ratio * ratio)).exp()
+    let ratio = velocity / stribeck_velocity;
+    stribeck_at(coulomb, stiction, ratio)
+}
+
+/// The same at v/v_s.
+#[inline(always)]
+pub(crate) fn stribeck_at<S: Scalar>(coulomb: S, stiction: S, ratio: S) -> S {
+    let fallen = (ratio * ratio).min(S::lit(1e6));
+    coulomb + (stiction - coulomb) * (-fallen).exp()
 }

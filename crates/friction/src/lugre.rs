@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 ///
 /// Over a step v and g are held, so z has a closed solution in the distance slid; dz/dt is its mean over the step.
-/// Any step length is stable and |z| ≤ F_s/σ₀ always.
+/// Any step length is stable and |z| ≤ F_s/σ₀ always, to rounding.
 ///
 /// Passive if and only if σ₂ ≥ σ₁ (F_s − F_c)/F_c (Barabanov and Ortega 2000), see [`LuGre::is_passive`]; beyond that
 /// bristle damping can give energy back while the body slides. Like Dahl it drifts under a vibrating load.
@@ -64,15 +64,20 @@ impl<S: Scalar> FrictionLaw<S> for LuGre<S> {
             return S::lit(f64::NAN);
         }
         let (dx, zero) = (motion.displacement, S::zero());
-        let bound = self.stiction / self.sigma_0;
+        // one division for two: each costs a microcontroller as much as ten products
+        let inverse = S::one() / (self.sigma_0 * self.stribeck_velocity);
+        let compliance = inverse * self.stribeck_velocity;
+        let bound = self.stiction * compliance;
         let before = state.z.clamp(-bound, bound);
         if dx == zero {
             state.z = before;
         } else {
-            let level = self.level(motion.velocity);
-            let end = dx.sgn() * level / self.sigma_0;
-            let left = if level > zero { (-(self.sigma_0 * dx.abs() / level)).exp() } else { zero };
-            state.z = (end + (before - end) * left).clamp(-bound, bound);
+            let ratio = motion.velocity * (inverse * self.sigma_0);
+            let level = limits::stribeck_at(self.coulomb, self.stiction, ratio);
+            let (end, slid) = if dx > zero { (level, -dx) } else { (-level, dx) };
+            let end = end * compliance;
+            let left = if level > zero { (self.sigma_0 * slid / level).exp() } else { zero };
+            state.z = end + (before - end) * left;
         }
         let rate = if motion.dt > zero { limits::bounded((state.z - before) / motion.dt) } else { zero };
         limits::bounded(self.sigma_0 * state.z + self.sigma_1 * rate + self.sigma_2 * motion.velocity)

@@ -1,13 +1,14 @@
 //! The number a law is written over: `f32` on the device, `f64` in the rig, a dual number where a fit
 //! needs the exact derivative of the same law.
 
+use crate::exponential;
 use crate::sine::sin_cos;
 use core::fmt::Debug;
 use num_traits::{Num, NumAssignOps};
 
 /// A real scalar.
 ///
-/// Every transcendental goes through `libm`, or in `f32`, where `libm` computes in `f64`, through this crate's own,
+/// Every transcendental goes through `libm`, or in `f32`, where `libm` computes in `f64` or slowly, through this crate's own,
 /// never through `std` or `num_traits::Float`: the host must compute bit for bit what the target computes, and `num_traits` silently changes its backend when any
 /// crate of the workspace turns on its `std` feature.
 pub trait Scalar:
@@ -74,7 +75,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar_by_libm {
-    ($float:ty, $exp:ident, $ln:ident, $sqrt:ident, $sin:expr, $cos:expr, $pow:ident) => {
+    ($float:ty, $exp:expr, $ln:ident, $sqrt:ident, $sin:expr, $cos:expr, $pow:ident) => {
         impl Scalar for $float {
             fn lit(value: f64) -> Self {
                 value as $float
@@ -82,8 +83,9 @@ macro_rules! scalar_by_libm {
             fn re(self) -> f64 {
                 self as f64
             }
+            #[inline(always)]
             fn exp(self) -> Self {
-                libm::$exp(self)
+                $exp(self)
             }
             fn ln(self) -> Self {
                 libm::$ln(self)
@@ -116,5 +118,5 @@ macro_rules! scalar_by_libm {
     };
 }
 
-scalar_by_libm!(f32, expf, logf, sqrtf, |x| sin_cos(x).0, |x| sin_cos(x).1, powf);
-scalar_by_libm!(f64, exp, log, sqrt, libm::sin, libm::cos, pow);
+scalar_by_libm!(f32, exponential::exp, logf, sqrtf, |x| sin_cos(x).0, |x| sin_cos(x).1, powf);
+scalar_by_libm!(f64, libm::exp, log, sqrt, libm::sin, libm::cos, pow);

@@ -39,12 +39,13 @@ impl Signature for FrictionalLag {
         let [u, started, before, ..] = memory;
         let (v, zero, one) = (motion.velocity, S::zero(), S::one());
         let mut change = zero;
+        // in units of the lag; a time too short for it to be a number is none
+        let x = motion.dt / lag;
         if *started == zero {
             *u = v; // a recording may begin in motion
             *started = one;
-        } else if motion.dt > zero {
+        } else if x > zero {
             // exact for a velocity that is straight between samples: held, it would come half a sample less late
-            let x = motion.dt / lag;
             let keep = (-x).exp();
             *u = keep * (*u - *before) + v - (v - *before) * ((one - keep) / x);
             change = ((v - *u) * x).abs();

@@ -48,7 +48,8 @@ impl Signature for RisingStaticFriction {
         let [age, ..] = memory;
         let (v, zero) = (motion.velocity, S::zero());
         let slid = motion.displacement.abs() / x_r;
-        *age = *age * (-slid).exp() + motion.dt.max(zero) * mean_decay(slid);
+        // an age beyond all numbers would make 0·∞ of a renewed contact
+        *age = (*age * (-slid).exp() + motion.dt.max(zero) * mean_decay(slid)).min(S::lit(1e30));
         let direction = if v == zero { motion.applied } else { v };
         by_direction(direction, direction.sgn() * (S::one() - (-(*age / rest_time)).exp()))
     }
