@@ -71,6 +71,15 @@ pub(crate) fn write(path: &Path, contents: &[u8]) -> Result<()> {
     .map_err(|e| unwritable(path, &e))
 }
 
+/// Writes `value` as indented JSON with a line end; `-` is standard output.
+///
+/// # Errors
+/// Those of [`write`].
+pub(crate) fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(Failure::new)?;
+    write(path, format!("{text}\n").as_bytes())
+}
+
 /// Lets `make` write a file of another name in the same folder, then renames it to `path`.
 ///
 /// # Errors

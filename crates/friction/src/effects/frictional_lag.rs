@@ -47,7 +47,10 @@ impl Signature for FrictionalLag {
         } else if x > zero {
             // exact for a velocity that is straight between samples: held, it would come half a sample less late
             let keep = (-x).exp();
-            *u = keep * (*u - *before) + v - (v - *before) * ((one - keep) / x);
+            // the difference cancels where a step is short beside the lag
+            let mean =
+                if x < S::lit(1e-3) { one - x * S::lit(0.5) } else { (one - keep) / x };
+            *u = keep * (*u - *before) + v - (v - *before) * mean;
             change = ((v - *u) * x).abs();
         }
         *before = v;

@@ -2,7 +2,7 @@
 
 use super::demo::fresh_folder;
 use crate::compare::{Comparison, MARGIN, Measured, Verdict, compare, demo, overlay};
-use crate::failure::{Failure, Outcome, Result};
+use crate::failure::{Outcome, Result};
 use crate::options::{self, Mapping};
 use crate::table::{Table, number};
 use crate::{files, reading};
@@ -66,8 +66,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         files::write(path, overlay(&comparison, &real, &rendered)?.as_bytes())?;
     }
     if let Some(path) = &args.json {
-        let text = serde_json::to_string_pretty(&comparison).map_err(Failure::new)?;
-        files::write(path, format!("{text}\n").as_bytes())?;
+        files::write_json(path, &comparison)?;
     }
     if args.json.as_deref() != Some(Path::new("-")) {
         print!("{}", text(&comparison));

@@ -76,8 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
             .map_err(Failure::new)?
     };
     print!("{}", diagnosing::outline("recording.csv", &found));
-    let json = serde_json::to_string_pretty(&found).map_err(Failure::new)?;
-    files::write(&file("diagnosis.json"), json.as_bytes())?;
+    files::write_json(&file("diagnosis.json"), &found)?;
     files::write(&file("report.html"), report::html(&found, "recording.csv").as_bytes())?;
 
     println!("\n5  The envelope is opened\n");

@@ -129,8 +129,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         files::write(path, design::draw(&given)?.as_bytes())?;
     }
     if let Some(path) = &args.json {
-        let text = serde_json::to_string_pretty(&json_of(&design, checked.as_ref())).map_err(Failure::new)?;
-        files::write(path, format!("{text}\n").as_bytes())?;
+        files::write_json(path, &json_of(&design, checked.as_ref()))?;
     }
     if args.json.as_deref() != Some(Path::new("-")) {
         print!("{}", text(&design, checked.as_ref()));

@@ -44,8 +44,7 @@ pub(super) fn grid(args: &Args, points: usize) -> Result<Outcome> {
         files::write(path, grid_map::draw(&cells)?.as_bytes())?;
     }
     if let Some(path) = &args.json {
-        let text = serde_json::to_string_pretty(&grid_json(&cells, dv)).map_err(Failure::new)?;
-        files::write(path, format!("{text}\n").as_bytes())?;
+        files::write_json(path, &grid_json(&cells, dv))?;
     }
     if args.json.as_deref() == Some(Path::new("-")) {
         return Ok(Outcome::Done);
@@ -126,8 +125,7 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
             })
         };
         let value = json!({ "schema": "tribos.design.renderers/1", "measured": rows.iter().map(one).collect::<Vec<_>>() });
-        let text = serde_json::to_string_pretty(&value).map_err(Failure::new)?;
-        files::write(path, format!("{text}\n").as_bytes())?;
+        files::write_json(path, &value)?;
     }
     if args.json.as_deref() == Some(Path::new("-")) {
         return Ok(Outcome::Done);

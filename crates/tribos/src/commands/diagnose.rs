@@ -82,8 +82,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         files::write(path, report::html(&found, &name).as_bytes())?;
     }
     if let Some(path) = &args.results.json {
-        let text = serde_json::to_string_pretty(&found).map_err(Failure::new)?;
-        files::write(path, format!("{text}\n").as_bytes())?;
+        files::write_json(path, &found)?;
     }
     if !args.results.json_on_stdout() {
         print!("{}", describe(&name, &found));

@@ -137,8 +137,7 @@ fn analyse(args: &Analyse) -> Result<Outcome> {
         files::write(path, experiment::html(&analysis)?.as_bytes())?;
     }
     if let Some(path) = &args.json {
-        let text = serde_json::to_string_pretty(&analysis).map_err(Failure::new)?;
-        files::write(path, format!("{text}\n").as_bytes())?;
+        files::write_json(path, &analysis)?;
     }
     if args.json.as_deref() != Some(Path::new("-")) {
         print!("{}", text(&analysis));
@@ -155,10 +154,11 @@ fn analyse(args: &Analyse) -> Result<Outcome> {
 pub(crate) fn text(a: &Analysis) -> String {
     let mut out = String::new();
     let n = a.subjects.len();
+    let s = if n == 1 { "" } else { "s" };
     if a.simulated {
-        let _ = writeln!(out, "  {n} SIMULATED subjects: a model made these data, no human did");
+        let _ = writeln!(out, "  {n} SIMULATED subject{s}: a model made these data, no human did");
     } else {
-        let _ = writeln!(out, "  {n} subjects");
+        let _ = writeln!(out, "  {n} subject{s}");
     }
     a.notes.iter().for_each(|note| out.push_str(&format!("  {note}\n")));
     if !a.counts.is_empty() {

@@ -91,18 +91,13 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     let file = |name: &str| out.join(name);
     let found = &done.diagnosis;
     let name = done.rounds.iter().map(|r| r.recording.as_str()).collect::<Vec<_>>().join(", ");
-    let json = serde_json::to_string_pretty(found).map_err(Failure::new)?;
-    files::write(&file("diagnosis.json"), format!("{json}\n").as_bytes())?;
+    files::write_json(&file("diagnosis.json"), found)?;
     files::write(&file("report.html"), report::html(found, &name).as_bytes())?;
     if let Some(model) = &found.model {
         let model = Model { name: "investigated".into(), ..model.clone() };
         files::write(&file("model.toml"), model.to_toml().as_bytes())?;
     }
-    let json = serde_json::to_string_pretty(&done).map_err(Failure::new)?;
-    files::write(
-        args.json.as_deref().unwrap_or(&file("investigation.json")),
-        format!("{json}\n").as_bytes(),
-    )?;
+    files::write_json(args.json.as_deref().unwrap_or(&file("investigation.json")), &done)?;
 
     say(&format!("\nafter {} rounds: {}", done.rounds.len(), done.ended.says()));
     for line in beliefs(found) {

@@ -229,7 +229,8 @@ mod tests {
         }}});
         let model = baseline(&answer, Geometry::Linear);
         model.validate().unwrap();
-        assert_eq!((model.mass, model.law.levels().0), (0.0, 1.9));
+        let Law::Karnopp(law) = model.law else { panic!("{:?}", model.law) };
+        assert_eq!((model.mass, law.c_p, law.b_n), (0.0, 1.9, 0.0));
     }
 
     #[test]

@@ -96,6 +96,24 @@ impl Places {
             }
         }
     }
+
+    /// Whether the labels of this proof have been looked at.
+    pub(crate) fn are_labels_open(&self) -> bool {
+        self.file("opened").exists()
+    }
+
+    /// Opens the labels for good, and tells which of `count` cases had been answered until then.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub(crate) fn open_labels(&self, count: usize) -> Result<Vec<usize>> {
+        let answered: Vec<usize> = (0..count).filter(|case| self.answer(*case, "json").exists()).collect();
+        if !self.are_labels_open() {
+            let said = format!("the labels were opened after {} of {count} answers\n", answered.len());
+            files::write(&self.file("opened"), said.as_bytes())?;
+        }
+        Ok(answered)
+    }
 }
 
 /// Makes the recordings of one case and puts its label and its truth into the sealed folder.
@@ -121,8 +139,7 @@ pub(crate) fn seal(places: &Places, case: usize, planned: &Planned, seconds: f64
     let (history, seen) = &scene.again;
     let judge = truth(&scene.bench, seen, history);
     reading::write_csv(&places.truth(case), &judge)?;
-    let text = serde_json::to_string_pretty(&label(case, planned, &scene, seconds)).map_err(Failure::new)?;
-    files::write(&places.label(case), text.as_bytes())
+    files::write_json(&places.label(case), &label(case, planned, &scene, seconds))
 }
 
 fn label(case: usize, planned: &Planned, scene: &Scene, seconds: f64) -> Label {
