@@ -46,6 +46,8 @@ fn at_every_rate_nothing_is_missed_and_the_stiffest_coupling_it_accepts_is_stabl
         // a block that sticks, on the stiffest coupling there is, knocked by 1 N for 2 ms
         board.ok("render off");
         board.ok("set f_static 9");
+        // on a soft coupling first: without damping the stiff one is refused
+        board.ok("set k_vc 100");
         board.ok("set b_vc 0");
         let bare = stiffest(&mut board);
         board.ok(&format!("set k_vc {bare}"));
