@@ -220,3 +220,14 @@ fn names_round_trip_and_nonsense_changes_nothing() {
     settings.set("stribeck", "off").expect("takes it out");
     assert_eq!(settings.get("stribeck.force_p"), None);
 }
+
+/// Above the bound of a stuck handle, that bound was named though handle and sliding block take less.
+#[test]
+fn the_stiffness_named_without_damping_was_refused_in_its_turn() {
+    let device = Device::default();
+    let asked = Settings { k_vc: 1e9, b_vc: 0.0, ..Settings::rubber() };
+    let refused = asked.validate(&device).expect_err("too stiff");
+    let Accepted::Between(_, most) = refused.accepted else { panic!("{refused}") };
+    println!("err: {refused}");
+    Settings { k_vc: most, ..asked }.validate(&device).expect("the number it names");
+}

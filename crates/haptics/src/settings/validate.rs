@@ -61,7 +61,7 @@ impl Settings {
         self.coupling(device)?;
         // the mass before what depends on it: a person who types a mass is told of the mass
         self.block(device)?;
-        self.free_block(device)?;
+        self.free_block(device, self.k_vc)?;
         self.bristles(device)?;
         self.damping(device)?;
         self.check_effects(device)?;
@@ -134,6 +134,10 @@ impl Settings {
         let most = at_most(Self::damping_cap(device));
         within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, a period of delay lets the handle oscillate")?;
         let most = at_most(Self::stiffness_cap(device, self.b_vc));
+        if self.k_vc > most && (LIGHTEST..=HEAVIEST).contains(&self.mass) {
+            // what is named must be taken when it is asked for
+            self.free_block(device, most)?;
+        }
         within("k_vc", self.k_vc, 1.0, most, "N/m; above, the stuck handle oscillates (eq. 4.18)")
     }
 
@@ -224,8 +228,8 @@ impl Settings {
         within("mass", self.mass, lightest, HEAVIEST, why)
     }
 
-    /// Handle and block let go together: the whole sampled loop.
-    fn free_block(&self, device: &Device) -> Result<(), Refused> {
+    /// Handle and block let go together, on a coupling of at most `k_vc` N/m: the whole sampled loop.
+    fn free_block(&self, device: &Device, k_vc: f32) -> Result<(), Refused> {
         if !self.renderer.has_block() {
             return Ok(());
         }
@@ -237,7 +241,7 @@ impl Settings {
             mass: self.mass,
             midpoint: self.midpoint(),
         };
-        let asked = self.k_vc * HEAVIER;
+        let asked = k_vc * HEAVIER;
         if pair.is_stable(asked, self.b_vc) {
             return Ok(());
         }
