@@ -171,7 +171,7 @@ const MUTANTS: [Mutant; 8] = [
 
 /// A copy of what the firmware is built from, whose binary has a name of its own: it shares the build directory.
 fn copy(root: &Path, to: &Path) {
-    for part in ["src", "crates", "benches", ".cargo"] {
+    for part in ["src", "crates", "benches", "examples", ".cargo"] {
         copy_tree(&root.join(part), &to.join(part));
     }
     for file in ["Cargo.lock", "build.rs", "memory.x", "rust-toolchain.toml"] {
