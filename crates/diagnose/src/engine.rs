@@ -144,7 +144,7 @@ pub fn diagnose(
         j.stretches.iter_mut().for_each(|s| s.quick = quick);
         j
     });
-    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins, force_known: false };
+    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins, true_force: None };
     Ok(run.diagnose(judged, progress))
 }
 
@@ -192,8 +192,8 @@ struct Run<'a> {
     unit: &'static str,
     declared: Vec<Declared>,
     origins: Vec<(usize, Option<(f64, f64)>)>,
-    /// The force that stands for the true one knows what distorts its channel.
-    force_known: bool,
+    /// Coefficients of the force that acts, where what distorts its channel is known; else the baseline's stand for it.
+    true_force: Option<Vec<f64>>,
 }
 
 impl Run<'_> {
@@ -206,7 +206,8 @@ impl Run<'_> {
         let mut floor = self.floor();
         progress(0.1, "catalogue");
         let scales = Scales::of(&stage.tracks, cutoff);
-        let noisy = stage.perturbed(cutoff, &baseline.fit.coefficients, options.seed ^ 0x51f1);
+        let force = self.true_force.as_ref().unwrap_or(&baseline.fit.coefficients);
+        let noisy = stage.perturbed(cutoff, force, options.seed ^ 0x51f1);
         let unavailable = self.unavailable();
         let mut exclude: Vec<&str> = options.exclude.iter().map(String::as_str).collect();
         exclude.extend(unavailable.iter().map(|(e, _)| *e));
@@ -243,9 +244,9 @@ impl Run<'_> {
             drop((catalogue, noisy));
             return Run { stage, baseline, declared, ..self }.diagnose(judged, progress);
         }
-        if let Some(stage) = self.with_true_force(&found) {
+        if let Some((stage, coefficients)) = self.with_true_force(&found) {
             drop((catalogue, noisy));
-            return Run { stage, force_known: true, ..self }.diagnose(judged, progress);
+            return Run { stage, true_force: Some(coefficients), ..self }.diagnose(judged, progress);
         }
         let joint = Joint::of(&search, &found);
         found.fit.deviations = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
@@ -340,7 +341,8 @@ impl Run<'_> {
             after: unweighted(&found.fit.heldout_prediction),
             curves,
         };
-        let frozen = Frozen { stage, cutoff, baseline, found: &found, declared: &options.per_recording };
+        let frozen =
+            Frozen { stage, cutoff, force, baseline, found: &found, declared: &options.per_recording };
         let validation = judged.map_or_else(Vec::new, |j| frozen.judge(&j));
         let location = if verdict == Verdict::Mismatch {
             located.regions.into_iter().take(12).collect()
@@ -410,20 +412,28 @@ impl Run<'_> {
 
     /// The stage with the force that acts once what distorts its channel is known: the baseline alone, which stood for it,
     /// had taken up most of another gain for one direction.
-    fn with_true_force(&self, found: &Hypothesis) -> Option<Stage> {
+    fn with_true_force(&self, found: &Hypothesis) -> Option<(Stage, Vec<f64>)> {
         let distorts = |a: &Atom| ["force_gain_asymmetry", "saturation"].contains(&a.term.kind.id());
-        if self.force_known || !found.atoms.iter().any(distorts) {
+        if self.true_force.is_some() || !found.atoms.iter().any(distorts) {
             return None;
         }
         let (mut stage, mut found) = (self.stage.clone(), found.clone());
-        for _ in 0..TRUE_FORCE {
-            stage.model_force(&found.fit.coefficients);
+        let mut true_force = found.fit.coefficients.clone();
+        for round in 0..TRUE_FORCE {
+            if round > 0 {
+                // What the gain takes, the baseline gives: alone, each answer misses by as much of the last error as the gain
+                // is, to the other side. Halfway there is little left.
+                for (old, new) in true_force.iter_mut().zip(&found.fit.coefficients) {
+                    *old = 0.5 * (*old + new);
+                }
+            }
+            stage.model_force(&true_force);
             let basis = Basis::of(&stage.baseline);
             let again = |a: &Atom| Atom { reliable: a.reliable, ..Atom::new(&stage, &basis, a.term) };
             let atoms = found.atoms.iter().map(again).collect();
             found = Hypothesis::new(&stage, atoms)?;
         }
-        Some(stage)
+        Some((stage, true_force))
     }
 
     /// What the audit said, and what only the fit could see.

@@ -15,6 +15,8 @@ pub(crate) struct Frozen<'a> {
     /// The stage it was fitted on.
     pub stage: &'a Stage,
     pub cutoff: f64,
+    /// Coefficients of the force that acted.
+    pub force: &'a [f64],
     pub baseline: &'a Hypothesis,
     pub found: &'a Hypothesis,
     /// Nuisances that may differ there.
@@ -34,7 +36,7 @@ impl Frozen<'_> {
             if stage.baseline.len() < BASELINE.len() {
                 return None;
             }
-            stage.model_force(&self.baseline.fit.coefficients);
+            stage.model_force(self.force);
             Some(self.one(&stage, index, name, judged.rotary))
         };
         judged.names.iter().enumerate().filter_map(of).collect()
