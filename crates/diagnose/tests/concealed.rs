@@ -53,3 +53,37 @@ fn what_is_concealed_is_named() {
     );
     assert!(told * 10 >= total * 9, "{told} of {total}");
 }
+
+/// The second record was judged with the force as the bare baseline had it, and forward friction came out a quarter low.
+#[test]
+fn another_gain_for_one_direction_spoiled_the_baseline_and_the_judged_record() {
+    let made = |gain: f64, seed: u64| {
+        let case = Case {
+            hidden: [Hidden::Nothing, Hidden::Nothing],
+            motion: Motion::Multisine,
+            seed,
+            ..Case::default()
+        };
+        let mut recording = record(&case).0;
+        recording.force.iter_mut().for_each(|f| *f += gain * f.max(0.0));
+        recording
+    };
+    let diagnosed = |gain: f64| {
+        diagnose(&[made(gain, 300)], &[made(gain, 301)], &Options::default(), &|_, _| ())
+            .expect("a diagnosis")
+    };
+    let (bare, bent) = (diagnosed(0.0), diagnosed(0.9));
+    let coulomb = |d: &diagnose::Diagnosis| d.after.parameters["coulomb_p"].value;
+    let gain = bent.missing.first().map(|m| (m.effect.as_str(), m.parameters["gain"].value));
+    let judged = &bent.validation[0];
+    println!(
+        "{gain:?}; forward friction {:.3} N, without it {:.3} N; on a second record {:.3} → {:.3} N",
+        coulomb(&bent),
+        coulomb(&bare),
+        judged.rms_before,
+        judged.rms_after
+    );
+    assert!(gain.is_some_and(|(id, g)| id == "force_gain_asymmetry" && (g - 0.9).abs() < 0.05));
+    assert!((coulomb(&bent) / coulomb(&bare) - 1.0).abs() < 0.05);
+    assert!(judged.rms_after < 0.7 * judged.rms_before);
+}
