@@ -110,23 +110,16 @@ mod board {
         let dahl = Dahl { limit_p: 3.3, limit_n: 2.4, sigma: 5e4, exponent: 1.0, viscous: 10.0 };
         table.add(dahl);
         table.add(Dahl { exponent: 1.5, ..dahl });
-        table.add(LuGre {
+        let lugre = LuGre {
             sigma_0: 5e4,
             sigma_1: 60.0,
             sigma_2: 9.0,
             coulomb: 3.0,
             stiction: 3.4,
             stribeck_velocity: 0.01,
-        });
-        table.add(ElastoPlastic {
-            sigma_0: 5e4,
-            sigma_1: 60.0,
-            sigma_2: 9.0,
-            coulomb: 3.0,
-            stiction: 3.4,
-            stribeck_velocity: 0.01,
-            elastic: 0.7,
-        });
+        };
+        table.add(lugre);
+        table.add(ElastoPlastic::of(lugre, 0.7));
         table.add(MaxwellSlip { stiction: 3.4, viscous: 8.7, ..MaxwellSlip::new(3.0, 6e-5) });
         for adhesion in [Adhesion::StickSlide, Adhesion::StickSlipSlide, Adhesion::StickCreepSlipSlide] {
             table.add(HaywardArmstrong {

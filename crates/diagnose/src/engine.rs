@@ -419,13 +419,11 @@ impl Run<'_> {
         }
         let (mut stage, mut found) = (self.stage.clone(), found.clone());
         let mut true_force = found.fit.coefficients.clone();
-        for round in 0..TRUE_FORCE {
-            if round > 0 {
-                // What the gain takes, the baseline gives: alone, each answer misses by as much of the last error as the gain
-                // is, to the other side. Halfway there is little left.
-                for (old, new) in true_force.iter_mut().zip(&found.fit.coefficients) {
-                    *old = 0.5 * (*old + new);
-                }
+        for _ in 0..TRUE_FORCE {
+            // What the gain takes, the baseline gives: alone, each answer misses by as much of the last error as the gain
+            // is, to the other side. Halfway there is little left.
+            for (old, new) in true_force.iter_mut().zip(&found.fit.coefficients) {
+                *old = 0.5 * (*old + new);
             }
             stage.model_force(&true_force);
             let basis = Basis::of(&stage.baseline);

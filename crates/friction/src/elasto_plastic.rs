@@ -1,6 +1,6 @@
 //! Elasto-plastic friction: LuGre whose bristles are springs before they slip, so that it does not drift.
 
-use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
+use crate::{FrictionLaw, Invalid, LuGre, Motion, Scalar, in_range, limits, mean_decay};
 use serde::{Deserialize, Serialize};
 
 /// Parts a plastic displacement is cut into at most; the error of the frozen α falls with their square.
@@ -51,6 +51,12 @@ impl<S: Scalar> Default for ElastoPlasticState<S> {
 }
 
 impl<S: Scalar> ElastoPlastic<S> {
+    /// The bristles of a LuGre contact, springs up to this share of F_c.
+    pub fn of(lugre: LuGre<S>, elastic: S) -> Self {
+        let LuGre { sigma_0, sigma_1, sigma_2, coulomb, stiction, stribeck_velocity } = lugre;
+        Self { sigma_0, sigma_1, sigma_2, coulomb, stiction, stribeck_velocity, elastic }
+    }
+
     /// Steady friction level g(v) without its viscous part, N.
     pub fn level(&self, velocity: S) -> S {
         limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
@@ -86,19 +92,9 @@ impl<S: Scalar> ElastoPlastic<S> {
             let rate = |z: S| if steady > zero { self.alpha(z, steady, break_away) / steady } else { zero };
             let middle = z + S::lit(0.5) * part * (S::one() - rate(z) * z);
             let rate = rate(middle.min(steady));
-            z = (z + (S::one() - rate * z) * part * relaxed(rate * part)).min(steady);
+            z = (z + (S::one() - rate * z) * part * mean_decay(rate * part)).min(steady);
         }
         z
-    }
-}
-
-/// (1 − e^(−y))/y for y ≥ 0, without the difference of what is nearly equal.
-fn relaxed<S: Scalar>(y: S) -> S {
-    let one = S::one();
-    if y < S::lit(1e-2) {
-        one - y * (S::lit(0.5) - y * (S::lit(1.0 / 6.0) - y * S::lit(1.0 / 24.0)))
-    } else {
-        (one - (-y).exp()) / y
     }
 }
 

@@ -19,6 +19,7 @@ mod bristle;
 mod classic;
 mod coulomb;
 mod dahl;
+mod decay;
 #[cfg(feature = "dual")]
 mod dual;
 pub mod effects;
@@ -41,6 +42,7 @@ pub use bristle::{Bristle, BristleState};
 pub use classic::Classic;
 pub use coulomb::{Coulomb, CoulombState};
 pub use dahl::{Dahl, DahlState};
+pub use decay::mean_decay;
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
 pub use generalised_maxwell_slip::{MaxwellSlip, MaxwellSlipState};
 pub use hayward_armstrong::{Adhesion, HaywardArmstrong, HaywardArmstrongState};

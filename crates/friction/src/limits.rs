@@ -24,8 +24,7 @@ pub(crate) fn sliding<S: Scalar>(level: S, viscous: S, speed: S) -> S {
 
 /// A level that falls from `stiction` at rest to `coulomb` with speed: g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²).
 pub(crate) fn stribeck<S: Scalar>(coulomb: S, stiction: S, velocity: S, stribeck_velocity: S) -> S {
-    let ratio = velocity / stribeck_velocity;
-    stribeck_at(coulomb, stiction, ratio)
+    stribeck_at(coulomb, stiction, velocity / stribeck_velocity)
 }
 
 /// The same at v/v_s.

@@ -321,15 +321,7 @@ fn elasto_plastic_and_lugre_slide_alike() {
         stiction: 4.0,
         stribeck_velocity: 0.01,
     };
-    let plastic = ElastoPlastic {
-        sigma_0: 5e4,
-        sigma_1: 0.0,
-        sigma_2: 2.0,
-        coulomb: 3.0,
-        stiction: 4.0,
-        stribeck_velocity: 0.01,
-        elastic: 0.7,
-    };
+    let plastic = ElastoPlastic::of(lugre, 0.7);
     for v in [1e-3, 0.01, 0.1] {
         assert!((steady(&lugre, v, 5e-3 / v, DT) - steady(&plastic, v, 5e-3 / v, DT)).abs() < 1e-9);
     }

@@ -1,6 +1,7 @@
 //! What a body or a filter behind a measured signal does, sample by sample: the diagnosis looks for it in a recording, and a
 //! model predicts with it.
 
+use friction::mean_decay;
 use std::f64::consts::TAU;
 
 /// Acceleration of a load that hangs on a driven body by a spring and a damper, from that body's acceleration `drive`
@@ -53,8 +54,8 @@ pub fn load_in_play(drive: &[f64], gap: f64, dt: f64) -> Vec<f64> {
 /// straight between samples, so that a ramp comes late by the time constant and not by half a sample less.
 #[must_use]
 pub fn first_order_lag(series: &[f64], lag: f64, dt: f64) -> Vec<f64> {
-    let keep = (-dt / lag.max(1e-300)).exp();
-    let mean = lag / dt * (1.0 - keep);
+    let in_lags = dt / lag.max(1e-300);
+    let (keep, mean) = ((-in_lags).exp(), mean_decay(in_lags));
     let mut before = series.first().copied().unwrap_or(0.0);
     let mut state = before;
     series

@@ -10,7 +10,7 @@
 //! * Rendering: for `lag` after a reversal the `force` part drives instead of braking, so it is not passive.
 
 use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Parameter, Signature};
-use crate::{Motion, Scalar};
+use crate::{Motion, Scalar, mean_decay};
 
 /// Frictional lag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,20 +37,17 @@ impl Signature for FrictionalLag {
     ) -> [S; MAX_GAINS] {
         let [lag, v_s] = *shape;
         let [u, started, before, ..] = memory;
-        let (v, zero, one) = (motion.velocity, S::zero(), S::one());
+        let (v, zero) = (motion.velocity, S::zero());
         let mut change = zero;
         // in units of the lag; a time too short for it to be a number is none
         let x = motion.dt / lag;
         if *started == zero {
             *u = v; // a recording may begin in motion
-            *started = one;
+            *started = S::one();
         } else if x > zero {
             // exact for a velocity that is straight between samples: held, it would come half a sample less late
             let keep = (-x).exp();
-            // the difference cancels where a step is short beside the lag
-            let mean =
-                if x < S::lit(1e-3) { one - x * S::lit(0.5) } else { (one - keep) / x };
-            *u = keep * (*u - *before) + v - (v - *before) * mean;
+            *u = keep * (*u - *before) + v - (v - *before) * mean_decay(x);
             change = ((v - *u) * x).abs();
         }
         *before = v;

@@ -9,8 +9,8 @@
 //! * Confused with: presliding (.96); in steady creep it also weakens with speed, like stribeck at x_r/rest_time.
 //! * Told apart by: dwells of different length.
 
-use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Parameter, Signature, by_direction, mean_decay};
-use crate::{Motion, Scalar};
+use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Parameter, Signature, by_direction};
+use crate::{Motion, Scalar, mean_decay};
 
 /// Break-away friction that grows with rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

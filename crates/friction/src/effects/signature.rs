@@ -78,17 +78,6 @@ pub(super) fn by_direction<S: Scalar>(velocity: S, value: S) -> [S; MAX_GAINS] {
     }
 }
 
-/// (1 − e^−q)/q for q ≥ 0, smooth through q = 0.
-pub(super) fn mean_decay<S: Scalar>(q: S) -> S {
-    let one = S::one();
-    if q < S::lit(1e-2) {
-        // next term q⁴/120: below 1e-10
-        one - q * (S::lit(0.5) - q * (S::lit(1.0 / 6.0) - q * S::lit(1.0 / 24.0)))
-    } else {
-        (one - (-q).exp()) / q
-    }
-}
-
 /// Sine and cosine of 2πx/λ.
 pub(super) fn wave<S: Scalar>(position: S, wavelength: S) -> (S, S) {
     let turns = (position / wavelength).clamp(S::lit(-1e12), S::lit(1e12)); // the sine of infinity is NaN

@@ -60,8 +60,8 @@ impl<S: Scalar> FreeBlock<S> {
         let x = self.device_damping * self.period / self.device_mass;
         let d = (self.delay / self.period).clamp(zero, one);
         let (old, new) = (Free::over(d, x), Free::over(one - d, x));
-        let lost = x * (old.alpha + old.e * new.alpha);
         let alpha = old.alpha + old.e * new.alpha;
+        let lost = x * alpha;
         // what the force does from its sample on, and what is left of it in the period after
         let (gamma, beta) = (new.gamma, new.beta);
         let gamma_both = gamma + old.gamma * new.e;

@@ -154,7 +154,7 @@ fn analyse(args: &Analyse) -> Result<Outcome> {
 pub(crate) fn text(a: &Analysis) -> String {
     let mut out = String::new();
     let n = a.subjects.len();
-    let s = if n == 1 { "" } else { "s" };
+    let s = a.plural();
     if a.simulated {
         let _ = writeln!(out, "  {n} SIMULATED subject{s}: a model made these data, no human did");
     } else {

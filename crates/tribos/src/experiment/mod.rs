@@ -61,6 +61,13 @@ pub(crate) struct Analysis {
     pub notes: Vec<String>,
 }
 
+impl Analysis {
+    /// The end of "subject".
+    pub(crate) fn plural(&self) -> &'static str {
+        if self.subjects.len() == 1 { "" } else { "s" }
+    }
+}
+
 /// Reads sessions from files, and from every `.jsonl` in folders.
 ///
 /// # Errors

@@ -47,7 +47,7 @@ pub(crate) fn html(analysis: &Analysis) -> Result<String> {
             let _ = writeln!(out, "<p class=\"note\">{}</p>", escape(model));
         }
     }
-    let (model, plural) = (if analysis.simulated { "simulated " } else { "" }, if n == 1 { "" } else { "s" });
+    let (model, plural) = (if analysis.simulated { "simulated " } else { "" }, analysis.plural());
     let _ = writeln!(out, "<p>{n} {model}subject{plural}.</p>");
     for note in &analysis.notes {
         let _ = writeln!(out, "<p class=\"note\">{}</p>", escape(note));
