@@ -1,5 +1,6 @@
 //! The steps in order.
 
+use crate::acting::Acting;
 use crate::ambiguity::{Rival, blind, equivalents, rejected};
 use crate::design::{Answers, Designer, Limits};
 use crate::drift;
@@ -8,14 +9,14 @@ use crate::floor::{Floor, floor, systematic};
 use crate::free_run::{self, Plant};
 use crate::intake::{Intake, take};
 use crate::joint::Joint;
-use crate::linear::{Basis, Fit};
+use crate::linear::Fit;
 use crate::locate::{locate, row_motion, row_times};
 use crate::nuisance::{self, Declared, Nuisance, PerRecording};
 use crate::options::{Error, Options};
 use crate::result::{
     After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Verdict,
 };
-use crate::search::{Atom, Catalogue, Hypothesis, Search};
+use crate::search::{Atom, Catalogue, Hypothesis, ROUGH, Search};
 use crate::signal::derivative;
 use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
@@ -33,8 +34,11 @@ pub(crate) const BASELINE: [(&str, &str, &str); 5] = [
     ("viscous_n", "N·s/m", "N·m·s/rad"),
 ];
 
-/// Rounds in which the true force settles: each leaves a tenth of the error of the one before.
-const TRUE_FORCE: usize = 4;
+/// Rounds in which the force that acts settles: each leaves a tenth of the error of the one before.
+const SETTLED: usize = 4;
+
+/// Change of the force that acts, as a share of it, below which what was found with the old one stands.
+const SAME_FORCE: f64 = 0.003;
 
 /// Share of the floor below which a held-out error refutes it.
 const UNDERCUT: f64 = 0.7;
@@ -144,7 +148,7 @@ pub fn diagnose(
         j.stretches.iter_mut().for_each(|s| s.quick = quick);
         j
     });
-    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins, true_force: None };
+    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins, acting: None };
     Ok(run.diagnose(judged, progress))
 }
 
@@ -192,8 +196,8 @@ struct Run<'a> {
     unit: &'static str,
     declared: Vec<Declared>,
     origins: Vec<(usize, Option<(f64, f64)>)>,
-    /// Coefficients of the force that acts, where what distorts its channel is known; else the baseline's stand for it.
-    true_force: Option<Vec<f64>>,
+    /// The force that acts, where it had to be known better than the baseline alone knows it.
+    acting: Option<Acting>,
 }
 
 impl Run<'_> {
@@ -206,8 +210,8 @@ impl Run<'_> {
         let mut floor = self.floor();
         progress(0.1, "catalogue");
         let scales = Scales::of(&stage.tracks, cutoff);
-        let force = self.true_force.as_ref().unwrap_or(&baseline.fit.coefficients);
-        let noisy = stage.perturbed(cutoff, force, options.seed ^ 0x51f1);
+        let acting = self.acting.clone().unwrap_or_else(|| Acting::baseline(&baseline.fit.coefficients));
+        let noisy = stage.perturbed(cutoff, &acting, options.seed ^ 0x51f1);
         let unavailable = self.unavailable();
         let mut exclude: Vec<&str> = options.exclude.iter().map(String::as_str).collect();
         exclude.extend(unavailable.iter().map(|(e, _)| *e));
@@ -244,9 +248,9 @@ impl Run<'_> {
             drop((catalogue, noisy));
             return Run { stage, baseline, declared, ..self }.diagnose(judged, progress);
         }
-        if let Some((stage, coefficients)) = self.with_true_force(&found) {
+        if let Some((stage, acting)) = self.with_acting_force(&search, &found) {
             drop((catalogue, noisy));
-            return Run { stage, true_force: Some(coefficients), ..self }.diagnose(judged, progress);
+            return Run { stage, acting: Some(acting), ..self }.diagnose(judged, progress);
         }
         let joint = Joint::of(&search, &found);
         found.fit.deviations = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
@@ -341,8 +345,14 @@ impl Run<'_> {
             after: unweighted(&found.fit.heldout_prediction),
             curves,
         };
-        let frozen =
-            Frozen { stage, cutoff, force, baseline, found: &found, declared: &options.per_recording };
+        let frozen = Frozen {
+            stage,
+            cutoff,
+            acting: &acting,
+            baseline,
+            found: &found,
+            declared: &options.per_recording,
+        };
         let validation = judged.map_or_else(Vec::new, |j| frozen.judge(&j));
         let location = if verdict == Verdict::Mismatch {
             located.regions.into_iter().take(12).collect()
@@ -410,28 +420,40 @@ impl Run<'_> {
         Some((stage, baseline, declared))
     }
 
-    /// The stage with the force that acts once what distorts its channel is known: the baseline alone, which stood for it,
-    /// had taken up most of another gain for one direction.
-    fn with_true_force(&self, found: &Hypothesis) -> Option<(Stage, Vec<f64>)> {
-        let distorts = |a: &Atom| ["force_gain_asymmetry", "saturation"].contains(&a.term.kind.id());
-        if self.true_force.is_some() || !found.atoms.iter().any(distorts) {
+    /// The stage with the force that acts, where something was found that distorts or follows it: the baseline alone, which
+    /// stood for it, had taken up part of what was found.
+    fn with_acting_force(&self, search: &Search, found: &Hypothesis) -> Option<(Stage, Acting)> {
+        if self.acting.is_some() || !found.atoms.iter().any(|a| a.term.kind.needs_force()) {
             return None;
         }
-        let (mut stage, mut found) = (self.stage.clone(), found.clone());
-        let mut true_force = found.fit.coefficients.clone();
-        for _ in 0..TRUE_FORCE {
-            // What the gain takes, the baseline gives: alone, each answer misses by as much of the last error as the gain
-            // is, to the other side. Halfway there is little left.
-            for (old, new) in true_force.iter_mut().zip(&found.fit.coefficients) {
+        let (mut stage, mut noisy, mut found) = (self.stage.clone(), search.noisy.clone(), found.clone());
+        let mut acting = Acting::of(&stage, &found);
+        for _ in 0..SETTLED {
+            stage.model_force(&acting);
+            noisy.model_force(&acting);
+            let search = Search { stage: &stage, noisy: &noisy, ..*search };
+            let again = |a: &Atom| Atom {
+                reliable: a.reliable,
+                ..Atom::new(&stage, &search.catalogue.baseline, a.term)
+            };
+            found = search.refine(Hypothesis::new(&stage, found.atoms.iter().map(again).collect())?, ROUGH);
+            // What the gain of a channel takes, the baseline gives: alone, each answer misses by as much of the last error
+            // as the gain is, to the other side. Halfway there is little left.
+            let next = Acting::of(&stage, &found);
+            for (old, new) in acting.baseline.iter_mut().zip(&next.baseline) {
                 *old = 0.5 * (*old + new);
             }
-            stage.model_force(&true_force);
-            let basis = Basis::of(&stage.baseline);
-            let again = |a: &Atom| Atom { reliable: a.reliable, ..Atom::new(&stage, &basis, a.term) };
-            let atoms = found.atoms.iter().map(again).collect();
-            found = Hypothesis::new(&stage, atoms)?;
+            acting.effects = next.effects;
         }
-        Some((stage, true_force))
+        stage.model_force(&acting);
+        let moved = |of: fn(f64, f64) -> f64| -> f64 {
+            let pairs = stage.tracks.iter().zip(&self.stage.tracks).flat_map(|(new, old)| {
+                new.force_model.iter().zip(&old.force_model).zip(&new.mask).map(|((n, o), m)| (m * n, m * o))
+            });
+            pairs.map(|(new, old)| of(new, old).powi(2)).sum()
+        };
+        let settled = moved(|new, old| new - old) < SAME_FORCE * SAME_FORCE * moved(|new, _| new);
+        (!settled).then_some((stage, acting))
     }
 
     /// What the audit said, and what only the fit could see.

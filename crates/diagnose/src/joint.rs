@@ -3,12 +3,15 @@
 
 use crate::linear::{Basis, Fit, dot, fit};
 use crate::search::{Atom, FOLDS, Hypothesis, Search};
+use crate::sensor::is_transport;
 
 /// The joint fit of a hypothesis, linear in its shapes around where they are.
 #[derive(Debug, Clone)]
 pub struct Joint {
     deviations: Vec<f64>,
     shapes: Vec<Vec<Shape>>,
+    /// Columns of gains that physics sets, with their deviations where the shape is held instead.
+    set: Vec<(usize, f64)>,
 }
 
 /// What the recording says about a shape parameter.
@@ -16,7 +19,7 @@ pub struct Joint {
 enum Shape {
     /// Nothing depends on it: it belongs to a gain that is not in use.
     Unused,
-    /// It acts like other parameters do: no interval.
+    /// It acts like other parameters do, or stands at the end of what was tried: no interval.
     Unidentified,
     /// The column of its derivative.
     Column(usize),
@@ -28,12 +31,30 @@ impl Joint {
         let stage = search.stage;
         let mut columns: Vec<Vec<f64>> =
             Hypothesis::columns(stage, &found.atoms).iter().map(|c| c.to_vec()).collect();
+        // The whole force moves in time, and none of it stays: for its time, the share is one.
+        let mut set = Vec::new();
+        for (i, atom) in found.atoms.iter().enumerate() {
+            let gain = found.offset(stage, i);
+            if is_transport(atom.term.kind.id())
+                && let Some(slope) = slope(search, found, i, 0)
+            {
+                columns[gain] = slope;
+                set.push((gain, found.fit.deviations[gain]));
+            }
+        }
         let mut basis = Basis::of(&columns);
         let mut shapes = Vec::new();
         for (i, atom) in found.atoms.iter().enumerate() {
-            let slopes = (0..atom.term.kind.shape().len()).map(|axis| slope(search, found, i, axis));
-            let placed = slopes.map(|slope| {
-                let Some(slope) = slope else { return Shape::Unused };
+            let gain = found.offset(stage, i);
+            let placed = (0..atom.term.kind.shape().len()).map(|axis| {
+                let held = set.iter().any(|s| s.0 == gain);
+                if at_end(search, atom, axis) {
+                    return Shape::Unidentified;
+                }
+                if held {
+                    return Shape::Column(gain);
+                }
+                let Some(slope) = slope(search, found, i, axis) else { return Shape::Unused };
                 // what is within rounding of the other columns is not told apart from them
                 let fresh = basis.project_out(&slope);
                 if dot(&fresh, &fresh) <= 1e-8 * dot(&slope, &slope) || !basis.push(&slope) {
@@ -45,11 +66,18 @@ impl Joint {
             shapes.push(placed.collect());
         }
         let joint: Option<Fit> = fit(&columns, &stage.y, &stage.blocks, FOLDS);
-        Self { deviations: joint.map_or_else(|| found.fit.deviations.clone(), |f| f.deviations), shapes }
+        Self { deviations: joint.map_or_else(|| found.fit.deviations.clone(), |f| f.deviations), shapes, set }
     }
 
     /// Deviation of column `i` of the hypothesis: baseline first, then each term's gains.
     pub fn gain(&self, column: usize) -> f64 {
+        match self.set.iter().find(|s| s.0 == column) {
+            Some((_, deviation)) => *deviation,
+            None => self.of_column(column),
+        }
+    }
+
+    fn of_column(&self, column: usize) -> f64 {
         self.deviations.get(column).copied().unwrap_or(f64::NAN)
     }
 
@@ -58,9 +86,18 @@ impl Joint {
         match self.shapes.get(atom)?.get(axis)? {
             Shape::Unused => None,
             Shape::Unidentified => Some(f64::NAN),
-            Shape::Column(column) => Some(self.gain(*column)),
+            Shape::Column(column) => Some(self.of_column(*column)),
         }
     }
+}
+
+/// Whether a shape parameter stands at an end of the range that was tried: it may lie beyond.
+fn at_end(search: &Search, atom: &Atom, axis: usize) -> bool {
+    let (low, high, log) = search.scales.range(&atom.term.kind.shape()[axis]);
+    let here = atom.term.shape[axis];
+    let to = |x: f64| if log { x.ln() } else { x };
+    let near = 1e-6 * (to(high) - to(low));
+    to(here) - to(low) <= near || to(high) - to(here) <= near
 }
 
 /// Change of the prediction per unit of a shape parameter; none where there is none.

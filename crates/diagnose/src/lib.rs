@@ -30,6 +30,7 @@
 //! JSON (`tribos.diagnosis/1`) and the series for the report.
 #![forbid(unsafe_code)]
 
+mod acting;
 mod agreement;
 mod ambiguity;
 mod channel;

@@ -6,6 +6,7 @@
 //! before anything is named, by registration: any law of position, even or odd in the direction, is a curve over
 //! position that the recordings must share.
 
+use crate::acting::Acting;
 use crate::design::left;
 use crate::linear::fit;
 use crate::locate::row_motion;
@@ -113,7 +114,7 @@ impl Stage {
         if let Some(fit) = (!out.is_empty()).then(|| fit(&self.baseline, &self.y, &self.blocks, 4)).flatten()
         {
             self.blocks.mass = fit.coefficients[0];
-            self.model_force(&fit.coefficients);
+            self.model_force(&Acting::baseline(&fit.coefficients));
         }
         out
     }

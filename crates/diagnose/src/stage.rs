@@ -1,5 +1,6 @@
 //! From channels to a regression: stretches, weights, blocks, and one more draw of the sensors' noise.
 
+use crate::acting::Acting;
 use crate::linear::{Blocks, fit};
 use crate::signal::derivative;
 use crate::term::Stage;
@@ -62,7 +63,7 @@ impl Stage {
             let second = fit(&stage.baseline, &stage.y, &stage.blocks, 4);
             let coefficients = &second.as_ref().unwrap_or(first).coefficients;
             stage.blocks.mass = coefficients[0];
-            stage.model_force(coefficients);
+            stage.model_force(&Acting::baseline(coefficients));
         }
         Some(stage)
     }
@@ -70,7 +71,7 @@ impl Stage {
     /// Measures the acceleration's noise in every block by drawing it once more.
     fn measure_noise(&mut self, cutoff: f64, coefficients: &[f64]) {
         let clean = self.rows(|t| t.pass(&t.a));
-        let other = self.perturbed(cutoff, coefficients, 0xacce).rows(|t| t.pass(&t.a));
+        let other = self.perturbed(cutoff, &Acting::baseline(coefficients), 0xacce).rows(|t| t.pass(&t.a));
         let noise = |k: usize| self.blocks.rows(k).map(|r| (other[r] - clean[r]).powi(2)).sum();
         self.blocks.noise = (0..self.blocks.len()).map(noise).collect();
     }
@@ -97,21 +98,8 @@ impl Stage {
         }
     }
 
-    /// Sets the force that stands for the applied force inside regressors to what the baseline predicts.
-    pub fn model_force(&mut self, coefficients: &[f64]) {
-        if coefficients.len() < 5 {
-            return;
-        }
-        for track in &mut self.tracks {
-            let series = track.baseline();
-            track.force_model = (0..track.len())
-                .map(|i| series.iter().zip(coefficients).map(|(s, c)| c * s[i]).sum())
-                .collect();
-        }
-    }
-
     /// The same stage with one more draw of every sensor's noise, rows and weights unchanged.
-    pub fn perturbed(&self, cutoff: f64, coefficients: &[f64], seed: u64) -> Self {
+    pub fn perturbed(&self, cutoff: f64, acting: &Acting, seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut noisy = |series: &[f64]| -> Vec<f64> {
             let level = crate::signal::local_noise(series);
@@ -142,7 +130,7 @@ impl Stage {
                 track
             })
             .collect();
-        out.model_force(coefficients);
+        out.model_force(acting);
         out.fill();
         out
     }

@@ -63,6 +63,12 @@ impl TermKind {
         }
     }
 
+    /// Whether its columns are made of the force that acts: what moves, bends or follows the whole of it.
+    pub fn needs_force(&self) -> bool {
+        ["time_skew", "actuator_lag", "torque_ripple", "force_gain_asymmetry", "saturation"]
+            .contains(&self.id())
+    }
+
     /// Ways the gains may go together, simplest first; each is a list of gains that share one column.
     pub fn variants(&self) -> Vec<Vec<Vec<usize>>> {
         let gains = self.gains();
@@ -209,11 +215,27 @@ impl Stage {
         }
     }
 
-    /// Force per unit of each of `L` gains, filtered; memory runs through the gaps of a recording.
+    /// Rows of the force per unit of each of `L` gains.
     fn force_lanes<const L: usize>(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::with_capacity(self.weight.len()); L];
+        for (track, series) in self.tracks.iter().zip(self.units::<L>(kind, shape)) {
+            track.passed_rows(&series, &mut out);
+        }
+        for column in &mut out {
+            self.weigh(column);
+        }
+        out
+    }
+
+    /// Force per unit of each of `L` gains at every sample of every track; memory runs through the gaps of a recording.
+    pub(crate) fn units<const L: usize>(
+        &self,
+        kind: EffectKind,
+        shape: &[f64; MAX_SHAPE],
+    ) -> Vec<Vec<[f64; L]>> {
         let mut memory = [0.0; MAX_MEMORY];
         let mut previous: Option<&Track> = None;
-        let mut out = vec![Vec::with_capacity(self.weight.len()); L];
+        let mut out = Vec::with_capacity(self.tracks.len());
         for track in &self.tracks {
             match previous {
                 Some(last) if last.raw.recording == track.raw.recording => {
@@ -227,17 +249,12 @@ impl Stage {
                 }
                 _ => memory = [0.0; MAX_MEMORY],
             }
-            let series: Vec<[f64; L]> = (0..track.len())
-                .map(|i| {
-                    let unit = kind.unit(shape, &mut memory, &motion(track, i));
-                    std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
-                })
-                .collect();
-            track.passed_rows(&series, &mut out);
+            let sample = |i: usize| {
+                let unit = kind.unit(shape, &mut memory, &motion(track, i));
+                std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
+            };
+            out.push((0..track.len()).map(sample).collect());
             previous = Some(track);
-        }
-        for column in &mut out {
-            self.weigh(column);
         }
         out
     }
@@ -332,7 +349,7 @@ impl Scales {
             "m/s" | "rad/s" => (0.7 * self.slow, 1.5 * self.speed, true),
             "Hz" => (0.1 * self.cutoff, 2.0 * self.cutoff, true),
             "s" if name == "tau" || name.contains("lag") || name.contains("delay") => {
-                (0.5 / (20.0 * self.cutoff), 0.1 * self.duration.min(20.0 / self.cutoff), true)
+                (0.5 / (20.0 * self.cutoff), (0.1 * self.duration).min(8.0 / self.cutoff), true)
             }
             "N" | "N·m" => (0.3 * self.force, 0.95 * self.force, false),
             "m" | "rad" if is_wave(name) => (self.finest_wave(), 1.5 * span, true),

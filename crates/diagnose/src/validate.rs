@@ -1,6 +1,7 @@
 //! Recordings that were not fitted: structure and parameters frozen, and beside it the figure with declared nuisances
 //! fitted again.
 
+use crate::acting::Acting;
 use crate::engine::BASELINE;
 use crate::intake::Intake;
 use crate::linear::{Blocks, dot, fit};
@@ -15,8 +16,8 @@ pub(crate) struct Frozen<'a> {
     /// The stage it was fitted on.
     pub stage: &'a Stage,
     pub cutoff: f64,
-    /// Coefficients of the force that acted.
-    pub force: &'a [f64],
+    /// The force that acted.
+    pub acting: &'a Acting,
     pub baseline: &'a Hypothesis,
     pub found: &'a Hypothesis,
     /// Nuisances that may differ there.
@@ -36,7 +37,7 @@ impl Frozen<'_> {
             if stage.baseline.len() < BASELINE.len() {
                 return None;
             }
-            stage.model_force(self.force);
+            stage.model_force(self.acting);
             Some(self.one(&stage, index, name, judged.rotary))
         };
         judged.names.iter().enumerate().filter_map(of).collect()

@@ -16,6 +16,7 @@ pub(crate) use evidence::left;
 use evidence::{Evidence, Sheet};
 pub use moves::{Limits, Move};
 
+use crate::acting::Acting;
 use crate::engine::BASELINE;
 use crate::free_run::Plant;
 use crate::linear::{Basis, dot};
@@ -216,7 +217,7 @@ impl Designer<'_> {
         // a nuisance of a recording already made is none of this one
         let rows = stage.y.len();
         stage.baseline.resize(self.search.stage.baseline.len(), vec![0.0; rows]);
-        stage.model_force(&self.found.fit.coefficients);
+        stage.model_force(&Acting::of(self.search.stage, self.found));
         Some(stage)
     }
 
