@@ -378,9 +378,11 @@ impl Search<'_> {
         basis.project_out(&sum)
     }
 
-    /// Whether every gain lies in the range its effect accepts.
+    /// Whether every gain lies in the range its effect accepts, and a mass that the baseline has is not taken below zero
+    /// by what would then push it.
     pub fn physical(&self, h: &Hypothesis) -> bool {
-        (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.stage, i)))
+        let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
+        (mass >= 0.0 || self.stage.blocks.mass < 0.0) && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.stage, i)))
     }
 
     /// Residual of `parent` against every testable column, noise taken from `child`.

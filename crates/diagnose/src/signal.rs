@@ -129,8 +129,9 @@ pub fn local_noise(series: &[f64]) -> f64 {
     }
     let mut third: Vec<f64> =
         series.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs()).collect();
-    third.sort_by(f64::total_cmp);
-    let kept = &third[..(third.len() * 4 / 5).max(1)];
+    let count = (third.len() * 4 / 5).max(1);
+    third.select_nth_unstable_by(count - 1, f64::total_cmp);
+    let kept = &third[..count];
     let mean_square = kept.iter().map(|d| d * d).sum::<f64>() / kept.len() as f64;
     // Var Δ³ = 20 σ²; a normal variable cut at its 80 % quantile keeps 0.4377 of its variance.
     let spread = (mean_square / (20.0 * 0.4377)).sqrt();
@@ -141,8 +142,11 @@ pub fn local_noise(series: &[f64]) -> f64 {
 pub fn quantum(series: &[f64]) -> f64 {
     let mut steps: Vec<f64> = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
     let equal = series.len().saturating_sub(1) - steps.len();
-    steps.sort_by(f64::total_cmp);
-    let Some(&smallest) = steps.get(steps.len() / 50) else { return 0.0 };
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let rank = steps.len() / 50;
+    let smallest = *steps.select_nth_unstable_by(rank, f64::total_cmp).1;
     // A continuous channel hardly ever repeats a value exactly, and its steps are not multiples of one.
     let multiples = steps.iter().filter(|s| ((*s / smallest) - (*s / smallest).round()).abs() < 0.01).count();
     if equal * 20 > series.len() || multiples * 10 > steps.len() * 9 { smallest } else { 0.0 }
@@ -158,13 +162,12 @@ pub fn rms(series: &[f64]) -> f64 {
 
 /// The value below which the share `p` of the finite samples lies.
 pub fn quantile(series: &[f64], p: f64) -> f64 {
-    let mut sorted: Vec<f64> = series.iter().copied().filter(|x| x.is_finite()).collect();
-    if sorted.is_empty() {
+    let mut finite: Vec<f64> = series.iter().copied().filter(|x| x.is_finite()).collect();
+    if finite.is_empty() {
         return 0.0;
     }
-    sorted.sort_by(f64::total_cmp);
-    let at = (p.clamp(0.0, 1.0) * (sorted.len() - 1) as f64).round() as usize;
-    sorted[at]
+    let at = (p.clamp(0.0, 1.0) * (finite.len() - 1) as f64).round() as usize;
+    *finite.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
 #[cfg(test)]
