@@ -100,12 +100,8 @@ pub fn blind(
             out.push((blind(id, because.clone(), true), None));
             continue;
         }
-        // told by comparing the channels, which every motion allows
-        if crate::channel::OF_CHANNELS.iter().any(|(e, ..)| *e == id) {
-            continue;
-        }
         let atoms: Vec<&Atom> = search.catalogue.atoms.iter().filter(|a| a.term.kind == kind).collect();
-        // none: not to be considered, or part of the baseline already
+        // none: not to be considered, told by comparing the channels, or part of the baseline already
         if atoms.is_empty()
             || atoms.iter().any(|a| is_shown(a))
             || found.atoms.iter().any(|a| a.term.kind == kind)

@@ -6,6 +6,7 @@ use crate::flips::gain_interval;
 use crate::result::{Missing, Quantity};
 use crate::term::Stage;
 use crate::track::Track;
+use crate::wave::Wave;
 use std::collections::BTreeMap;
 
 /// Blocks of the interval.
@@ -18,6 +19,8 @@ pub struct Channel {
     pub velocity: Option<Column>,
     /// The acceleration column, where its scale or zero is off.
     pub acceleration: Option<Column>,
+    /// The wave on the position, where there is one.
+    pub encoder: Option<Wave>,
 }
 
 /// Effects of the motion channels that matter for the force. `coefficients` are the baseline's.
@@ -59,6 +62,23 @@ pub fn missing(
         let surest =
             if (gain.0 / gain.1).abs() > (column.zero.0 / column.zero.1).abs() { gain } else { column.zero };
         out.extend(cost.and_then(|c| entry("accelerometer_error", c, parameters, surest)));
+    }
+    if let Some(wave) = channel.encoder {
+        let cost = cost(stage, seed, |t| {
+            let error = |i: usize| {
+                let (x, v, a) = (t.x[i], t.v[i], t.a[i]);
+                let viscous = if v > 0.0 { b_p } else { b_n };
+                mass * wave.acceleration(x, v, a) + viscous * wave.velocity(x, v)
+            };
+            (0..t.len()).map(|i| Some(error(i)).filter(|_| fast(t, i))).collect()
+        });
+        let unit = if rotary { "rad" } else { "m" };
+        let parameters = vec![
+            ("amplitude", wave.amplitude, unit.to_string()),
+            ("phase", wave.phase, "rad".to_string()),
+            ("wavelength", wave.wavelength, unit.to_string()),
+        ];
+        out.extend(cost.and_then(|c| entry("encoder_eccentricity", c, parameters, wave.amplitude)));
     }
     out
 }
@@ -139,5 +159,11 @@ pub const OF_CHANNELS: &[(&str, &str, &str, &str)] = &[
         "the accelerometer has another scale or zero than the position says",
         "a_column = (1 + gain)·a + zero, a the second derivative of the position",
         "no move is needed: turn the accelerometer over in gravity, +1 g against −1 g",
+    ),
+    (
+        "encoder_eccentricity",
+        "the encoder disc is eccentric, so the position carries a wave",
+        "x = x_true + amplitude·cos(2π·x_true/wavelength + phase)",
+        "no move is needed: centre the disc, read it by two heads opposite each other, or subtract the wave",
     ),
 ];

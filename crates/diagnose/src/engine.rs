@@ -220,6 +220,9 @@ impl Run<'_> {
         }
         // comparing the channels says more about it than any force
         exclude.push("velocity_lag");
+        if self.intake.hears_the_encoder(cutoff) {
+            exclude.push("encoder_eccentricity");
+        }
         let lines = crate::lines::fine(stage, &baseline.fit.residual, &scales, options.seed);
         let catalogue = Catalogue::new(stage, &noisy, &scales, &lines, &exclude);
         let above = |floor: f64| Search {
@@ -316,7 +319,8 @@ impl Run<'_> {
             rotary,
             options.seed,
         );
-        missing.extend(of_channels.into_iter().filter(|m| !options.exclude.contains(&m.effect)));
+        let said: Vec<String> = missing.iter().map(|m| &m.effect).chain(&options.exclude).cloned().collect();
+        missing.extend(of_channels.into_iter().filter(|m| !said.contains(&m.effect)));
         missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         let explained_by_unnamed = unnamed.as_ref().map(|u| u.rms_heldout_after);
         missing.extend(unnamed);

@@ -3,10 +3,13 @@
 use crate::agreement::{Column, compare};
 use crate::channel::Channel;
 use crate::drift::Drift;
+use crate::linear::{Basis, dot};
 use crate::options::Error;
 use crate::sensor::delayed;
-use crate::signal::{LowPass, derivative};
-use crate::track::{Channels, dominant_frequency};
+use crate::signal::{LowPass, derivative, local_noise};
+use crate::track::{Channels, differentiated, dominant_frequency};
+use crate::wave::Wave;
+use crate::witness::hear;
 use identify::{FaultKind, Geometry, Recording, RecordingFault, audit, without_outliers};
 
 /// What came in.
@@ -24,6 +27,8 @@ pub struct Intake {
     pub delta_v: Option<(f64, f64)>,
     /// What was wrong with the motion channels of the recordings, and is repaired.
     pub channel: Channel,
+    /// Whether, for each recording, an accelerometer has said if there is a wave on the encoder.
+    pub witnessed: Vec<bool>,
 }
 
 impl Intake {
@@ -66,6 +71,72 @@ impl Intake {
             self.faults.push(RecordingFault::new(FaultKind::ForceDrift, None, why));
         }
     }
+}
+
+impl Intake {
+    /// Takes a wave off the encoder that an independent channel of one recording does not show, and says so.
+    fn straighten(&mut self, stretches: &mut [Channels]) {
+        let by_acceleration = hear(stretches, 2, 0);
+        let by_velocity = || hear(stretches, 1, 0).and_then(|h| h.wave).map(|w| (w, "velocity"));
+        let wave = by_acceleration.and_then(|h| h.wave).map(|w| (w, "acceleration")).or_else(by_velocity);
+        self.witnessed.push(wave.is_some() || by_acceleration.is_some_and(|h| h.independent));
+        let Some((wave, witness)) = wave else { return };
+        let through = witness == "acceleration" && through_the_encoder(&wave, stretches);
+        for s in stretches.iter_mut() {
+            for x in &mut s.position {
+                *x = wave.place(*x);
+            }
+            let v = smooth_velocity(s);
+            if let Some(column) = s.velocity.as_mut().filter(|_| through) {
+                for ((shown, x), v) in column.iter_mut().zip(&s.position).zip(v) {
+                    *shown -= wave.velocity(*x, v);
+                }
+            }
+        }
+        let unit = if self.rotary { "rad" } else { "m" };
+        let [(amplitude, of_amplitude), (wavelength, of_wavelength)] = [wave.amplitude, wave.wavelength];
+        let why = format!(
+            "the position carries a wave of {amplitude:.3e} {unit} (std {of_amplitude:.1e}) over {wavelength:.4e} {unit} \
+             (std {of_wavelength:.1e}) that the {witness} column does not show: taken off {}",
+            if through { "the position and the velocity" } else { "the position" }
+        );
+        self.faults.push(RecordingFault::new(FaultKind::EncoderWave, None, why));
+        self.channel.encoder = Some(wave);
+    }
+
+    /// Whether another channel says more of a wave on the encoder than the force can: the accelerations are then mostly not
+    /// the encoder's, and a wave on it would not show in the force as it does where they are.
+    pub fn hears_the_encoder(&self, cutoff: f64) -> bool {
+        let quieter = |s: &Channels| {
+            let noise = |c: &[f64], order| local_noise(c) * differentiated(order, cutoff, s.dt);
+            s.acceleration.as_ref().is_some_and(|a| noise(a, 0) < noise(&s.position, 2))
+        };
+        self.witnessed.iter().all(|w| *w)
+            && (self.channel.encoder.is_some() || self.stretches.iter().all(quieter))
+    }
+}
+
+/// The derivative of the position behind a filter that lets a wave on it through.
+fn smooth_velocity(s: &Channels) -> Vec<f64> {
+    derivative(&LowPass::new(0.05 / s.dt, s.dt).apply(&s.position), s.dt)
+}
+
+/// Whether a velocity column shows the wave too, as the derivative of what the encoder reads.
+fn through_the_encoder(wave: &Wave, stretches: &[Channels]) -> bool {
+    let (mut along, mut power) = (0.0, 0.0);
+    for s in stretches {
+        let Some(column) = &s.velocity else { continue };
+        let v = smooth_velocity(s);
+        let extra: Vec<f64> =
+            s.position.iter().zip(&v).map(|(x, v)| wave.velocity(wave.place(*x), *v)).collect();
+        let column = LowPass::new(0.05 / s.dt, s.dt).apply(column);
+        let basis = Basis::of(&[&v[..], &vec![1.0; v.len()][..]]);
+        let away: Vec<f64> = v.iter().zip(&column).map(|(v, c)| v - c).collect();
+        let extra = basis.project_out(&extra);
+        along += dot(&extra, &away);
+        power += dot(&extra, &extra);
+    }
+    power > 0.0 && along < 0.5 * power
 }
 
 /// Lag of a velocity column, in samples, that is undone; a later one is left out.
@@ -140,6 +211,7 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         rotary,
         delta_v: None,
         channel: Channel::default(),
+        witnessed: Vec::new(),
     };
     let loaded = recordings.iter().find(|r| r.normal_force.is_some());
     for (index, recording) in recordings.iter().enumerate() {
@@ -153,6 +225,7 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
         let mut stretches = cut(&without_outliers(recording), index);
+        intake.straighten(&mut stretches);
         intake.mend(&mut stretches);
         for mut stretch in stretches {
             keep_trustworthy(&mut stretch);

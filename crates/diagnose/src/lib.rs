@@ -61,6 +61,8 @@ mod track;
 mod transport;
 mod unnamed;
 mod validate;
+mod wave;
+mod witness;
 mod words;
 
 pub use design::{ENOUGH, Experiment, Limits, Move, NextExperiment, WORTHWHILE};

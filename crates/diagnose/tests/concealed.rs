@@ -87,3 +87,40 @@ fn another_gain_for_one_direction_spoiled_the_baseline_and_the_judged_record() {
     assert!((coulomb(&bent) / coulomb(&bare) - 1.0).abs() < 0.05);
     assert!(judged.rms_after < 0.7 * judged.rms_before);
 }
+
+/// With an accelerometer in the recording the force no longer shows the wave as it was sought there: it was answered as
+/// torque ripple, or not at all.
+#[test]
+fn a_wave_on_the_encoder_was_taken_for_torque_ripple_where_there_is_an_accelerometer() {
+    for (seed, amplitude) in [(500, 6e-5), (501, 1.5e-4)] {
+        let case = Case { accelerometer: Some(0.03), seed, ..Case::default() };
+        let mut recording = record(&case).0;
+        let wavelength = 8e-3;
+        let reads = |x: &f64| x + amplitude * (std::f64::consts::TAU * x / wavelength + 0.9).cos();
+        recording.position = recording.position.iter().map(reads).collect();
+        let d = diagnose(&[recording], &[], &Options::default(), &|_, _| ()).expect("a diagnosis");
+        let named: Vec<&str> = d.missing.iter().map(|m| m.effect.as_str()).collect();
+        println!("{amplitude:.1e} m: {named:?}, {:?}", d.recording_faults);
+        assert_eq!(named, ["encoder_eccentricity"]);
+        let said = |name: &str| &d.missing[0].parameters[name];
+        for (name, truth) in [("amplitude", amplitude), ("wavelength", wavelength), ("phase", 0.9)] {
+            let quantity = said(name);
+            assert!((quantity.value - truth).abs() < 4.0 * quantity.std, "{name}: {quantity:?}");
+        }
+        assert!((said("amplitude").value / amplitude - 1.0).abs() < 0.05);
+        assert!(d.recording_faults.iter().any(|f| f.kind == identify::FaultKind::EncoderWave));
+    }
+}
+
+/// What moves the body moves both channels: a force over the position is none of the encoder's.
+#[test]
+fn cogging_beside_an_accelerometer_is_no_wave_on_the_encoder() {
+    for seed in 510..513 {
+        let hidden = Hidden::Cogging { size: 0.25, wavelength: 0.004 };
+        let case =
+            Case { hidden: [hidden, Hidden::Nothing], accelerometer: Some(0.03), seed, ..Case::default() };
+        let d = diagnose(&[record(&case).0], &[], &Options::default(), &|_, _| ()).expect("a diagnosis");
+        assert_eq!(d.missing.first().map(|m| m.effect.as_str()), Some("cogging"));
+        assert!(d.missing.iter().all(|m| m.effect != "encoder_eccentricity"), "{:?}", d.recording_faults);
+    }
+}

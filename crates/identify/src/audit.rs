@@ -36,6 +36,8 @@ pub enum FaultKind {
     VelocityMismatch,
     /// The acceleration column has another scale or zero than the second derivative of the position.
     AccelerationScale,
+    /// The position carries a wave that an independent velocity or acceleration column does not show.
+    EncoderWave,
     /// The zero of the force channel drifts.
     ForceDrift,
     /// A channel was low-passed before it was recorded.

@@ -79,6 +79,8 @@ pub struct Case {
     pub noise_force: f64,
     pub noise_position: f64,
     pub quantum: f64,
+    /// Noise of an accelerometer, m/s²; None where there is none.
+    pub accelerometer: Option<f64>,
     pub seed: u64,
 }
 
@@ -96,6 +98,7 @@ impl Default for Case {
             noise_force: 0.062,
             noise_position: 1e-6,
             quantum: 2.57e-6,
+            accelerometer: None,
             seed: 1,
         }
     }
@@ -171,9 +174,10 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
     let ticks = ((case.seconds + warm_up) * 1000.0) as usize + 1;
     let mut series = Vec::with_capacity(ticks * 5);
     let mut truth = Vec::new();
-    let (mut times, mut positions) = (Vec::new(), Vec::new());
+    let (mut times, mut positions, mut accelerations) = (Vec::new(), Vec::new(), Vec::new());
     // The body's force is kept five times a tick, so that a skewed force channel can be read between samples.
     for tick in 0..ticks {
+        let before = v;
         for k in 0..sub {
             let t = tick as f64 * 1e-3 + f64::from(k) * h;
             let applied = 6000.0 * (target(case.motion, t) - x)
@@ -239,7 +243,10 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
             }
             x += v * h;
         }
+        // over the half tick to either side, as a converter that averages has it
+        accelerations.push((v - before) / 1e-3);
     }
+    let acceleration = |i: usize| 0.5 * (accelerations[i - 1] + accelerations[i]);
     let force_noise = Normal::new(0.0, case.noise_force.max(1e-300)).unwrap();
     let position_noise = Normal::new(0.0, case.noise_position.max(1e-300)).unwrap();
     let mut recording = Recording { name: format!("plant {}", case.seed), ..Recording::default() };
@@ -257,6 +264,12 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
         });
         recording.force.push(force + force_noise.sample(&mut random));
     }
+    // a stream of its own: what is drawn for the other channels does not depend on it
+    let mut random = ChaCha8Rng::seed_from_u64(case.seed ^ 0xacce);
+    recording.acceleration = case.accelerometer.map(|noise| {
+        let noise = Normal::new(0.0, noise.max(1e-300)).unwrap();
+        (first..times.len() - 10).map(|i| acceleration(i) + noise.sample(&mut random)).collect()
+    });
     let truth = truth[first..times.len() - 10].to_vec();
     (recording, truth)
 }
