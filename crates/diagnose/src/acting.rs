@@ -5,9 +5,15 @@
 //! still bends the mass and the friction, so that its size is wrong by the square of what it does; once the rest is
 //! known the force is taken from all of it.
 
-use crate::search::Hypothesis;
+use crate::search::{Atom, Hypothesis, ROUGH, Search};
 use crate::term::{Stage, TermKind};
 use friction::effects::{EffectKind, MAX_GAINS, MAX_SHAPE};
+
+/// Rounds in which the force that acts settles: each leaves a tenth of the error of the one before.
+const SETTLED: usize = 4;
+
+/// Change of the force that acts, as a share of it, below which what was found with the old one stands.
+const SAME_FORCE: f64 = 0.003;
 
 /// Coefficients of the baseline, and the forces beyond it.
 #[derive(Debug, Clone, Default)]
@@ -64,4 +70,38 @@ impl Stage {
             track.force_model = force;
         }
     }
+}
+
+/// The stage with the force that acts, where something was found that distorts or follows it: the baseline alone, which
+/// stood for it, had taken up part of what was found.
+pub fn settle(search: &Search, found: &Hypothesis) -> Option<(Stage, Acting)> {
+    if !found.atoms.iter().any(|a| a.term.kind.needs_force()) {
+        return None;
+    }
+    let (mut stage, mut noisy, mut found) = (search.stage.clone(), search.noisy.clone(), found.clone());
+    let mut acting = Acting::of(&stage, &found);
+    for _ in 0..SETTLED {
+        stage.model_force(&acting);
+        noisy.model_force(&acting);
+        let search = Search { stage: &stage, noisy: &noisy, ..*search };
+        let again =
+            |a: &Atom| Atom { reliable: a.reliable, ..Atom::new(&stage, &search.catalogue.baseline, a.term) };
+        found = search.refine(Hypothesis::new(&stage, found.atoms.iter().map(again).collect())?, ROUGH);
+        // What the gain of a channel takes, the baseline gives: alone, each answer misses by as much of the last error
+        // as the gain is, to the other side. Halfway there is little left.
+        let next = Acting::of(&stage, &found);
+        for (old, new) in acting.baseline.iter_mut().zip(&next.baseline) {
+            *old = 0.5 * (*old + new);
+        }
+        acting.effects = next.effects;
+    }
+    stage.model_force(&acting);
+    let moved = |of: fn(f64, f64) -> f64| -> f64 {
+        let pairs = stage.tracks.iter().zip(&search.stage.tracks).flat_map(|(new, old)| {
+            new.force_model.iter().zip(&old.force_model).zip(&new.mask).map(|((n, o), m)| (m * n, m * o))
+        });
+        pairs.map(|(new, old)| of(new, old).powi(2)).sum()
+    };
+    let settled = moved(|new, old| new - old) < SAME_FORCE * SAME_FORCE * moved(|new, _| new);
+    (!settled).then_some((stage, acting))
 }

@@ -1,6 +1,6 @@
 //! The steps in order.
 
-use crate::acting::Acting;
+use crate::acting::{self, Acting};
 use crate::ambiguity::{Rival, blind, equivalents, rejected};
 use crate::design::{Answers, Designer, Limits};
 use crate::drift;
@@ -16,7 +16,7 @@ use crate::options::{Error, Options};
 use crate::result::{
     After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Verdict,
 };
-use crate::search::{Atom, Catalogue, Hypothesis, ROUGH, Search};
+use crate::search::{Catalogue, Hypothesis, Search};
 use crate::signal::derivative;
 use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
@@ -33,12 +33,6 @@ pub(crate) const BASELINE: [(&str, &str, &str); 5] = [
     ("viscous_p", "N·s/m", "N·m·s/rad"),
     ("viscous_n", "N·s/m", "N·m·s/rad"),
 ];
-
-/// Rounds in which the force that acts settles: each leaves a tenth of the error of the one before.
-const SETTLED: usize = 4;
-
-/// Change of the force that acts, as a share of it, below which what was found with the old one stands.
-const SAME_FORCE: f64 = 0.003;
 
 /// Share of the floor below which a held-out error refutes it.
 const UNDERCUT: f64 = 0.7;
@@ -148,7 +142,7 @@ pub fn diagnose(
         j.stretches.iter_mut().for_each(|s| s.quick = quick);
         j
     });
-    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins, acting: None };
+    let run = Run { intake, stage, baseline, cutoff, options, unit, declared, origins, settled: None };
     Ok(run.diagnose(judged, progress))
 }
 
@@ -196,12 +190,21 @@ struct Run<'a> {
     unit: &'static str,
     declared: Vec<Declared>,
     origins: Vec<(usize, Option<(f64, f64)>)>,
-    /// The force that acts, where it had to be known better than the baseline alone knows it.
-    acting: Option<Acting>,
+    /// Where the force that acts had to be known better than the baseline alone knows it.
+    settled: Option<Settled>,
+}
+
+/// The force that acts once it is known, with what was evaluated on it.
+struct Settled {
+    acting: Acting,
+    noisy: Stage,
+    catalogue: Catalogue,
 }
 
 impl Run<'_> {
-    fn diagnose(self, judged: Option<Intake>, progress: &dyn Fn(f32, &str)) -> Diagnosis {
+    fn diagnose(mut self, judged: Option<Intake>, progress: &dyn Fn(f32, &str)) -> Diagnosis {
+        let settled = self.settled.take();
+        let first = settled.is_none();
         let Self { ref stage, ref baseline, cutoff, options, unit, .. } = self;
         let rotary = self.intake.rotary;
         let rows: f64 = stage.block_weight().iter().sum();
@@ -210,8 +213,6 @@ impl Run<'_> {
         let mut floor = self.floor();
         progress(0.1, "catalogue");
         let scales = Scales::of(&stage.tracks, cutoff);
-        let acting = self.acting.clone().unwrap_or_else(|| Acting::baseline(&baseline.fit.coefficients));
-        let noisy = stage.perturbed(cutoff, &acting, options.seed ^ 0x51f1);
         let unavailable = self.unavailable();
         let mut exclude: Vec<&str> = options.exclude.iter().map(String::as_str).collect();
         exclude.extend(unavailable.iter().map(|(e, _)| *e));
@@ -223,8 +224,13 @@ impl Run<'_> {
         if self.intake.hears_the_encoder(cutoff) {
             exclude.push("encoder_eccentricity");
         }
-        let lines = crate::lines::fine(stage, &baseline.fit.residual, &scales, options.seed);
-        let catalogue = Catalogue::new(stage, &noisy, &scales, &lines, &exclude);
+        let Settled { acting, noisy, catalogue } = settled.unwrap_or_else(|| {
+            let acting = Acting::baseline(&baseline.fit.coefficients);
+            let noisy = stage.perturbed(cutoff, &acting, options.seed ^ 0x51f1);
+            let lines = crate::lines::fine(stage, &baseline.fit.residual, &scales, options.seed);
+            let catalogue = Catalogue::new(stage, &noisy, &scales, &lines, &exclude);
+            Settled { acting, noisy, catalogue }
+        });
         let above = |floor: f64| Search {
             stage,
             noisy: &noisy,
@@ -251,9 +257,13 @@ impl Run<'_> {
             drop((catalogue, noisy));
             return Run { stage, baseline, declared, ..self }.diagnose(judged, progress);
         }
-        if let Some((stage, acting)) = self.with_acting_force(&search, &found) {
-            drop((catalogue, noisy));
-            return Run { stage, acting: Some(acting), ..self }.diagnose(judged, progress);
+        let another = if first { acting::settle(&search, &found) } else { None };
+        if let Some((stage, acting)) = another {
+            let (mut noisy, mut catalogue) = (noisy, catalogue);
+            noisy.model_force(&acting);
+            catalogue.renew(&stage, &noisy);
+            let settled = Some(Settled { acting, noisy, catalogue });
+            return Run { stage, settled, ..self }.diagnose(judged, progress);
         }
         let joint = Joint::of(&search, &found);
         found.fit.deviations = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
@@ -422,42 +432,6 @@ impl Run<'_> {
         let declared = stage.declare(&self.options.per_recording);
         let baseline = Hypothesis::new(&stage, Vec::new())?;
         Some((stage, baseline, declared))
-    }
-
-    /// The stage with the force that acts, where something was found that distorts or follows it: the baseline alone, which
-    /// stood for it, had taken up part of what was found.
-    fn with_acting_force(&self, search: &Search, found: &Hypothesis) -> Option<(Stage, Acting)> {
-        if self.acting.is_some() || !found.atoms.iter().any(|a| a.term.kind.needs_force()) {
-            return None;
-        }
-        let (mut stage, mut noisy, mut found) = (self.stage.clone(), search.noisy.clone(), found.clone());
-        let mut acting = Acting::of(&stage, &found);
-        for _ in 0..SETTLED {
-            stage.model_force(&acting);
-            noisy.model_force(&acting);
-            let search = Search { stage: &stage, noisy: &noisy, ..*search };
-            let again = |a: &Atom| Atom {
-                reliable: a.reliable,
-                ..Atom::new(&stage, &search.catalogue.baseline, a.term)
-            };
-            found = search.refine(Hypothesis::new(&stage, found.atoms.iter().map(again).collect())?, ROUGH);
-            // What the gain of a channel takes, the baseline gives: alone, each answer misses by as much of the last error
-            // as the gain is, to the other side. Halfway there is little left.
-            let next = Acting::of(&stage, &found);
-            for (old, new) in acting.baseline.iter_mut().zip(&next.baseline) {
-                *old = 0.5 * (*old + new);
-            }
-            acting.effects = next.effects;
-        }
-        stage.model_force(&acting);
-        let moved = |of: fn(f64, f64) -> f64| -> f64 {
-            let pairs = stage.tracks.iter().zip(&self.stage.tracks).flat_map(|(new, old)| {
-                new.force_model.iter().zip(&old.force_model).zip(&new.mask).map(|((n, o), m)| (m * n, m * o))
-            });
-            pairs.map(|(new, old)| of(new, old).powi(2)).sum()
-        };
-        let settled = moved(|new, old| new - old) < SAME_FORCE * SAME_FORCE * moved(|new, _| new);
-        (!settled).then_some((stage, acting))
     }
 
     /// What the audit said, and what only the fit could see.

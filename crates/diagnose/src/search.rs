@@ -164,6 +164,15 @@ impl Catalogue {
         Self { atoms, baseline }
     }
 
+    /// Evaluates what the force that acts is part of once more, on stages of which only that force is another.
+    pub fn renew(&mut self, stage: &Stage, noisy: &Stage) {
+        let baseline = &self.baseline;
+        self.atoms.par_iter_mut().filter(|a| a.term.kind.reads_force()).for_each(|atom| {
+            *atom = Atom::new(stage, baseline, atom.term);
+            atom.reliable = reliability(&noisy.columns(&atom.term), baseline, atom);
+        });
+    }
+
     /// Atoms that this recording can show: visible beside the baseline, and more signal than noise.
     pub fn testable(&self) -> Vec<&Atom> {
         self.atoms.iter().filter(|a| is_testable(a)).collect()
@@ -382,7 +391,8 @@ impl Search<'_> {
     /// by what would then push it.
     pub fn physical(&self, h: &Hypothesis) -> bool {
         let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
-        (mass >= 0.0 || self.stage.blocks.mass < 0.0) && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.stage, i)))
+        (mass >= 0.0 || self.stage.blocks.mass < 0.0)
+            && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.stage, i)))
     }
 
     /// Residual of `parent` against every testable column, noise taken from `child`.

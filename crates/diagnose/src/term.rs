@@ -69,6 +69,11 @@ impl TermKind {
             .contains(&self.id())
     }
 
+    /// Whether another force that acts changes a column of it.
+    pub fn reads_force(&self) -> bool {
+        self.needs_force() || self.id() == "load_dependent_friction"
+    }
+
     /// Ways the gains may go together, simplest first; each is a list of gains that share one column.
     pub fn variants(&self) -> Vec<Vec<Vec<usize>>> {
         let gains = self.gains();
