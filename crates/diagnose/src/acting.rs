@@ -6,7 +6,9 @@
 //! known the force is taken from all of it.
 
 use crate::search::{Atom, Hypothesis, ROUGH, Search};
+use crate::sensor::is_transport;
 use crate::term::{Stage, TermKind};
+use crate::transport;
 use friction::effects::{EffectKind, MAX_GAINS, MAX_SHAPE};
 
 /// Rounds in which the force that acts settles: each leaves a tenth of the error of the one before.
@@ -86,7 +88,10 @@ pub fn settle(search: &Search, found: &Hypothesis) -> Option<(Stage, Acting)> {
         let search = Search { stage: &stage, noisy: &noisy, ..*search };
         let again =
             |a: &Atom| Atom { reliable: a.reliable, ..Atom::new(&stage, &search.catalogue.baseline, a.term) };
-        found = search.refine(Hypothesis::new(&stage, found.atoms.iter().map(again).collect())?, ROUGH);
+        let next = Hypothesis::new(&stage, found.atoms.iter().map(again).collect())?;
+        // with a share that is free a time runs along the ridge on which their product is the same
+        let moves = next.atoms.iter().any(|a| is_transport(a.term.kind.id()));
+        found = if moves { transport::nearby(&search, next) } else { search.refine(next, ROUGH) };
         // What the gain of a channel takes, the baseline gives: alone, each answer misses by as much of the last error
         // as the gain is, to the other side. Halfway there is little left.
         let next = Acting::of(&stage, &found);

@@ -503,7 +503,7 @@ impl Search<'_> {
                 }
             }
             match worst {
-                Some((_, without)) => best = self.refine(without, FINE),
+                Some((_, without)) => best = crate::transport::settle(self, self.refine(without, FINE)),
                 None => return (best, p),
             }
         }

@@ -16,15 +16,36 @@ use rayon::prelude::*;
 /// Times tried over the range, logarithmically even.
 const TIMES: usize = 40;
 
+/// Times tried to either side of one that is known, and the step from one to the next.
+const NEAR: i32 = 8;
+const NEARLY: f64 = 1.04;
+
 /// Replaces a transport effect of `found` by the one, and the time, that leaves least beyond its own noise.
-pub fn settle(search: &Search, mut found: Hypothesis) -> Hypothesis {
+pub fn settle(search: &Search, found: Hypothesis) -> Hypothesis {
+    replace(search, found, |_, corrected| best(search, corrected))
+}
+
+/// The same among times near the one it has.
+pub fn nearby(search: &Search, found: Hypothesis) -> Hypothesis {
+    let near = |term: &Term| -> Vec<Term> {
+        (-NEAR..=NEAR).map(|k| term.at(term.shape[0] * NEARLY.powi(k))).collect()
+    };
+    replace(search, found, |term, corrected| lowest(search, corrected, near(term)))
+}
+
+fn replace(
+    search: &Search,
+    mut found: Hypothesis,
+    best: impl Fn(&Term, &Corrected) -> Option<Term>,
+) -> Hypothesis {
     for i in 0..found.atoms.len() {
         if !is_transport(found.atoms[i].term.kind.id()) {
             continue;
         }
         let mut others = found.atoms.clone();
         others.remove(i);
-        let Some(term) = best(search, &others) else { continue };
+        let own = found.atoms[i].term;
+        let Some(term) = Corrected::new(search, &others).and_then(|c| best(&own, &c)) else { continue };
         let mut atom = Atom::new(search.stage, &search.catalogue.baseline, term);
         atom.reliable = found.atoms[i].reliable;
         others.insert(i, atom);
@@ -82,20 +103,8 @@ pub fn saved(search: &Search, parent: &[Atom], child: &[Atom]) -> Option<f64> {
     Some(left(parent)? - left(child)?)
 }
 
-/// The transport effect that leaves least beside `others`.
-fn best(search: &Search, others: &[Atom]) -> Option<Term> {
-    let (stage, noisy) = (search.stage, search.noisy);
-    let corrected = Corrected::new(search, others)?;
-    let left = |term: &Term| -> Option<f64> {
-        let (own, mut again) = (stage.columns(term).pop()?, noisy.columns(term).pop()?);
-        subtract(&mut again, &own);
-        let mut rest = stage.y.clone();
-        subtract(&mut rest, &own);
-        let mut noise = corrected.force.clone();
-        subtract(&mut noise, &again);
-        let sum = corrected.left(&rest, &noise);
-        sum.is_finite().then_some(sum)
-    };
+/// The transport effect that leaves least beside what `corrected` holds.
+fn best(search: &Search, corrected: &Corrected) -> Option<Term> {
     let kinds = TermKind::all()
         .into_iter()
         .filter(|k| is_transport(k.id()) && search.catalogue.atoms.iter().any(|a| a.term.kind == *k));
@@ -109,19 +118,36 @@ fn best(search: &Search, others: &[Atom]) -> Option<Term> {
             }
         }
     }
-    let lowest = |terms: Vec<Term>| {
-        let judged: Vec<(f64, Term)> =
-            terms.into_par_iter().filter_map(|t| left(&t).map(|sum| (sum, t))).collect();
-        judged.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))
-    };
-    let (_, coarse) = lowest(terms)?;
+    let coarse = lowest(search, corrected, terms)?;
     let (low, high, _) = search.scales.range(&coarse.kind.shape()[0]);
     let step = (high / low).powf(1.0 / (TIMES - 1) as f64);
-    let fine = (-9..=9).map(|k| {
-        let time = coarse.shape[0] * step.powf(f64::from(k) / 10.0);
-        Term { shape: [time, 0.0], ..coarse }
-    });
-    lowest(fine.collect()).map(|(_, term)| term)
+    let fine = (-9..=9).map(|k| coarse.at(coarse.shape[0] * step.powf(f64::from(k) / 10.0)));
+    lowest(search, corrected, fine.collect())
+}
+
+/// The term that leaves least beyond its own noise.
+fn lowest(search: &Search, corrected: &Corrected, terms: Vec<Term>) -> Option<Term> {
+    let (stage, noisy) = (search.stage, search.noisy);
+    let left = |term: &Term| -> Option<f64> {
+        let (own, mut again) = (stage.columns(term).pop()?, noisy.columns(term).pop()?);
+        subtract(&mut again, &own);
+        let mut rest = stage.y.clone();
+        subtract(&mut rest, &own);
+        let mut noise = corrected.force.clone();
+        subtract(&mut noise, &again);
+        let sum = corrected.left(&rest, &noise);
+        sum.is_finite().then_some(sum)
+    };
+    let judged: Vec<(f64, Term)> =
+        terms.into_par_iter().filter_map(|t| left(&t).map(|sum| (sum, t))).collect();
+    judged.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, term)| term)
+}
+
+impl Term {
+    /// The same with another time.
+    fn at(&self, time: f64) -> Self {
+        Self { shape: [time, 0.0], ..*self }
+    }
 }
 
 fn subtract(from: &mut [f64], what: &[f64]) {
