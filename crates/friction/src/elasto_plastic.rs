@@ -62,19 +62,6 @@ impl<S: Scalar> ElastoPlastic<S> {
         limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
 
-    /// α for a deflection that points where the motion goes.
-    fn alpha(&self, z: S, steady: S, break_away: S) -> S {
-        if z <= break_away {
-            S::zero()
-        } else if z >= steady {
-            S::one()
-        } else {
-            let half = S::lit(0.5);
-            let phase = (z - half * (steady + break_away)) / (steady - break_away);
-            half + half * (S::lit(core::f64::consts::PI) * phase).sin()
-        }
-    }
-
     /// The deflection, counted along the motion, after sliding `distance` ≥ 0.
     fn slid(&self, z: S, distance: S, steady: S) -> S {
         let zero = S::zero();
@@ -84,15 +71,32 @@ impl<S: Scalar> ElastoPlastic<S> {
         if !(left > zero) {
             return z;
         }
+        if !(steady > zero) {
+            return steady;
+        }
         // within a few z_ss the contact has forgotten where it was
         left = left.min(S::lit(64.0) * steady);
-        let part = left / S::lit(PARTS as f64);
+        let (one, half) = (S::one(), S::lit(0.5));
+        let part = left * S::lit(1.0 / PARTS as f64);
+        // divisions once: each costs a microcontroller as much as ten products
+        let stiff = one / steady;
+        let transition = S::lit(core::f64::consts::PI) / (steady - break_away);
+        let centre = half * (steady + break_away);
+        // α/z_ss of a deflection that points where the motion goes
+        let rate_at = |z: S| {
+            if z <= break_away {
+                zero
+            } else if z >= steady {
+                stiff
+            } else {
+                stiff * (half + half * (transition * (z - centre)).sin())
+            }
+        };
+        let mut rate = rate_at(z);
         for _ in 0..PARTS {
-            // α in the middle of the part
-            let rate = |z: S| if steady > zero { self.alpha(z, steady, break_away) / steady } else { zero };
-            let middle = z + S::lit(0.5) * part * (S::one() - rate(z) * z);
-            let rate = rate(middle.min(steady));
-            z = (z + (S::one() - rate * z) * part * mean_decay(rate * part)).min(steady);
+            // α in the middle of the part, which the α of the part before is good enough to find
+            rate = rate_at(z + half * part * (one - rate * z));
+            z = (z + (one - rate * z) * part * mean_decay(rate * part)).min(steady);
         }
         z
     }
