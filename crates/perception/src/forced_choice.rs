@@ -273,6 +273,12 @@ impl ForcedChoice {
         case
     }
 
+    /// The trial under way is given up and begins anew with its baseline.
+    pub fn abandon(&mut self) {
+        self.case = Case::Baseline;
+        self.visits = [1, 0, 0];
+    }
+
     /// All three were felt.
     #[must_use]
     pub fn may_answer(&self) -> bool {
@@ -301,8 +307,7 @@ impl ForcedChoice {
     fn step(&mut self, difference_n: f64, correct: bool) {
         self.done += 1;
         self.within += 1;
-        self.case = Case::Baseline;
-        self.visits = [1, 0, 0];
+        self.abandon();
         let mut over = self.plan.order.get(self.batch).is_none_or(|order| self.within >= order.len());
         if let Some(quest) = &mut self.quest {
             quest.answer(difference_n, correct);
@@ -357,6 +362,17 @@ mod tests {
         assert_eq!(seen.len(), 15);
         assert!(seen.values().all(|&count| count == 2) && sides.iter().all(|&n| n > 5));
         assert_eq!(choice.progress(), (30, 30));
+    }
+
+    #[test]
+    fn a_trial_that_was_given_up_went_on_with_the_case_it_was_in() {
+        let mut task = ForcedChoice::new(ForcedChoicePlan::thesis(1));
+        task.advance();
+        task.advance();
+        assert!(task.may_answer());
+        task.abandon();
+        assert!(task.case() == Case::Baseline && !task.may_answer());
+        assert!(task.answer(Answer::A, 1.0).is_none());
     }
 
     #[test]

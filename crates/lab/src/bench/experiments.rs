@@ -65,8 +65,9 @@ impl Running {
     fn abandon(&mut self) {
         self.since = None;
         self.discard_trajectory();
-        if let Task::Targeting(task) = &mut self.task {
-            task.abandon();
+        match &mut self.task {
+            Task::Targeting(task) => task.abandon(),
+            Task::Choice(task) => task.abandon(),
         }
     }
 

@@ -214,21 +214,32 @@ fn what_is_finished_survives_the_death_of_server_browser_and_device() {
     start(&mut page);
     answer(&mut page, 2);
 
-    // the browser: nobody watches, so force goes off, and the trial that ran is none
-    let second = connected(&lab, &chromium);
+    // the browser's process, in the middle of a trial: nobody watches, so force goes off, and the trial that ran is none
+    page.key("Enter");
+    page.until("in the middle of a trial", "lab.known.experiment.cases.case === 'a'", 5);
+    assert_eq!(page.eval("lab.known.experiment.armed"), json!(true));
     drop(page);
-    let mut page = second;
-    assert_eq!(page.eval("lab.known.experiment.done"), json!(2));
+    let now = "[lab.known.experiment.done, lab.known.experiment.armed, lab.known.mode]";
+    let mut page = connected(&lab, &chromium);
+    page.until("the session is there", "lab.known.experiment", 20);
+    let found = page.eval(now);
+    println!("browser killed: {found}");
+    assert_eq!(found, json!([2, false, "idle"]));
+    assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 2);
+    start(&mut page);
+    answer(&mut page, 3);
+
+    // the page is left
     page.goto("about:blank");
     std::thread::sleep(Duration::from_millis(700));
     page.goto(&lab.url);
     page.until("the page is back", "lab.known.connected && lab.known.experiment", 20);
-    let now = page.eval("[lab.known.experiment.done, lab.known.experiment.armed, lab.known.mode]");
-    println!("browser closed: {now}");
-    assert_eq!(now, json!([2, false, "idle"]));
+    let found = page.eval(now);
+    println!("page left: {found}");
+    assert_eq!(found, json!([3, false, "idle"]));
     start(&mut page);
-    answer(&mut page, 3);
-    assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 3);
+    answer(&mut page, 4);
+    assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 4);
 }
 
 /// A device behind a pseudo-terminal; dropping it is pulling its cable.
