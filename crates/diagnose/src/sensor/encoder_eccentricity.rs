@@ -1,5 +1,8 @@
 //! A wave on the measured position. Its acceleration grows with v², which tells it from `cogging`, a line of the
 //! same height at every speed: three speeds.
+//!
+//! Here it is sought in the force, for recordings that have a position alone. Where an accelerometer or a tachometer does not
+//! go through the encoder, comparing the channels says more ([`crate::witness`]).
 
 use super::Sensor;
 use crate::signal::derivative;
@@ -14,12 +17,12 @@ pub const SENSOR: Sensor = Sensor {
     gains: &[
         Parameter {
             name: "cosine",
-            unit: "N·s²/m²",
+            unit: "N·s²",
             min: -1e9,
             max: 1e9,
-            what: "amplitude of the cosine times the mass, per metre",
+            what: "amplitude of the cosine times the mass",
         },
-        Parameter { name: "sine", unit: "N·s²/m²", min: -1e9, max: 1e9, what: "the same for the sine" },
+        Parameter { name: "sine", unit: "N·s²", min: -1e9, max: 1e9, what: "the same for the sine" },
     ],
     shape: &[Parameter {
         name: "wavelength",
