@@ -14,9 +14,11 @@ pub fn block_scores(column: &[f64], residual: &[f64], blocks: &Blocks) -> Scores
     (0..blocks.len()).map(|k| dot(&column[blocks.rows(k)], &residual[blocks.rows(k)])).collect()
 }
 
-/// A random sign for every block.
-pub fn signs(random: &mut impl RngExt, blocks: usize) -> Vec<f64> {
-    (0..blocks).map(|_| if random.random::<bool>() { 1.0 } else { -1.0 }).collect()
+/// Draws of a random sign for every block.
+pub fn random_signs(draws: usize, blocks: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut sign = || if random.random::<bool>() { 1.0 } else { -1.0 };
+    (0..draws).map(|_| (0..blocks).map(|_| sign()).collect()).collect()
 }
 
 /// The outcome of a family of tests.
@@ -50,17 +52,11 @@ pub fn family(observed: &[Scores], noise: &[Scores], scale: &[f64], flips: usize
         .map(|(s, d)| if *d > 0.0 { (s.iter().sum::<f64>() / d).abs() } else { 0.0 })
         .collect();
     let blocks = observed.first().map_or(0, Vec::len);
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut maxima: Vec<f64> = (0..flips)
-        .map(|_| {
-            let signs = signs(&mut random, blocks);
-            noise
-                .iter()
-                .zip(&deviation)
-                .map(|(s, d)| if *d > 0.0 { (dot(s, &signs) / d).abs() } else { 0.0 })
-                .fold(0.0, f64::max)
-        })
-        .collect();
+    let largest = |signs: &Vec<f64>| {
+        let of = |(s, d): (&Scores, &f64)| if *d > 0.0 { (dot(s, signs) / d).abs() } else { 0.0 };
+        noise.iter().zip(&deviation).map(of).fold(0.0, f64::max)
+    };
+    let mut maxima: Vec<f64> = random_signs(flips, blocks, seed).iter().map(largest).collect();
     maxima.sort_by(f64::total_cmp);
     let p = t
         .iter()

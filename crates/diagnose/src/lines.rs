@@ -6,11 +6,9 @@
 //! with the largest that is left when the signs of whole blocks are flipped. Only what stands out there goes into the
 //! catalogue, to be tested like everything else.
 
-use crate::flips::signs;
+use crate::flips::random_signs;
 use crate::locate::row_motion;
 use crate::term::{Scales, Stage};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -94,8 +92,7 @@ fn peaks(
         if alone > 0.0 { (sum[0] * sum[0] + sum[1] * sum[1]) / alone } else { 0.0 }
     };
     let observed: Vec<f64> = scores.iter().map(|line| power(line, &vec![1.0; blocks])).collect();
-    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x11e5);
-    let signs: Vec<Vec<f64>> = (0..FLIPS).map(|_| signs(&mut random, blocks)).collect();
+    let signs = random_signs(FLIPS, blocks, seed ^ 0x11e5);
     let largest = |signs: &Vec<f64>| scores.iter().map(|line| power(line, signs)).fold(0.0, f64::max);
     let mut maxima: Vec<f64> = signs.par_iter().map(largest).collect();
     maxima.sort_by(f64::total_cmp);
@@ -111,7 +108,8 @@ fn peaks(
 mod tests {
     use super::*;
     use crate::track::Channels;
-    use rand::RngExt;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     /// A slide that goes up and down at two speeds, with noise and, if `line` > 0, a force that repeats over `pitch`.
     fn stage(line: f64, pitch: f64, seed: u64) -> (Stage, Scales) {

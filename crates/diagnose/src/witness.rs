@@ -6,14 +6,12 @@
 //! compared with what is left when the signs of whole blocks are flipped. What stands out has to be a wave: the same in
 //! both directions, early and late, slow and fast, and not a line of the same height at every speed.
 
-use crate::flips::signs;
+use crate::flips::random_signs;
 use crate::linear::{Basis, dot};
 use crate::signal::{LowPass, derivative, local_noise, quantile, quantum};
 use crate::track::{Channels, differentiated, dominant_frequency};
 use crate::wave::Wave;
 use nalgebra::{DMatrix, DVector};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -156,7 +154,7 @@ impl<'a> Ground<'a> {
         if total < FEWEST {
             return None;
         }
-        let mut series: [Vec<f64>; 6] = Default::default();
+        let mut series: [Vec<f64>; 5] = Default::default();
         let mut difference = Vec::with_capacity(total);
         for p in &parts {
             let x = p.filter.apply(&p.raw.position);
@@ -171,7 +169,7 @@ impl<'a> Ground<'a> {
                 p.pick(from, to);
             }
         }
-        let [x, v, a, jerk, time, _] = series;
+        let [x, v, a, jerk, time] = series;
         let (low, high) = (quantile(&x, 0.002), quantile(&x, 0.998));
         let fast = quantile(&v.iter().map(|v| v.abs()).collect::<Vec<_>>(), 0.95);
         let one = vec![1.0; total];
@@ -249,7 +247,8 @@ impl<'a> Ground<'a> {
         let spacing = SPACING / self.span;
         let count = (((1.0 / self.finest - first) / spacing) as usize + 1).min(LINES);
         let numbers: Vec<f64> = (0..count).map(|i| TAU * (first + spacing * i as f64)).collect();
-        let heights: Vec<f64> = self.scores(&numbers, rest).iter().map(|s| height(s)).collect();
+        let straight = vec![1.0; self.blocks];
+        let heights: Vec<f64> = self.scores(&numbers, rest).iter().map(|s| height(s, &straight)).collect();
         let (best, _) = heights.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         let rows = rest.len() as f64;
         let beside = (dot(rest, rest) - heights[best]).max(0.0) / rows;
@@ -286,9 +285,8 @@ impl<'a> Ground<'a> {
             heights.zip(&scale).map(|(h, s)| h / s).filter(|t| t.is_finite()).fold(0.0, f64::max)
         };
         let observed = of(&mut heights.iter().copied());
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0xecc);
-        let drawn: Vec<Vec<f64>> = (0..FLIPS).map(|_| signs(&mut random, self.blocks)).collect();
-        let flipped = |signs: &Vec<f64>| of(&mut noise.iter().map(|s| flipped_height(s, signs)));
+        let drawn = random_signs(FLIPS, self.blocks, seed ^ 0xecc);
+        let flipped = |signs: &Vec<f64>| of(&mut noise.iter().map(|s| height(s, signs)));
         let largest = drawn.par_iter().map(flipped).reduce(|| 0.0, f64::max);
         observed > BEYOND * largest
     }
@@ -402,13 +400,8 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Squared sum of the blocks' scores.
-fn height(scores: &[[f64; 2]]) -> f64 {
-    let [c, s] = scores.iter().fold([0.0; 2], |sum, z| [sum[0] + z[0], sum[1] + z[1]]);
-    c * c + s * s
-}
-
-fn flipped_height(scores: &[[f64; 2]], signs: &[f64]) -> f64 {
+/// Squared sum of the blocks' scores, each with its sign.
+fn height(scores: &[[f64; 2]], signs: &[f64]) -> f64 {
     let [c, s] =
         scores.iter().zip(signs).fold([0.0; 2], |sum, (z, g)| [sum[0] + g * z[0], sum[1] + g * z[1]]);
     c * c + s * s
