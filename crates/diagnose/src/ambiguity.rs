@@ -7,6 +7,14 @@ use crate::result::{Blind, Rejected};
 use crate::search::{Atom, COLLINEAR, CONCEALED, Hypothesis, ROUGH, Search, is_shown};
 use crate::term::{Stage, TermKind};
 
+/// Moments that are set aside.
+const UNSURE: &str = "in which the direction is not known";
+/// What makes them shorter.
+const SURER: &str = "record velocity and acceleration beside the position, or reverse faster: the direction is known sooner then";
+
+/// Share of an effect in the samples in use below which a recording is said to be blind to it.
+const SET_ASIDE: f64 = 0.05;
+
 /// Effects no motion can separate from another, with that other and the reason.
 const NEVER: &[(&str, &str, &str)] = &[
     ("back_emf", "viscous", "identical to viscous friction in every motion"),
@@ -92,6 +100,9 @@ pub fn blind(
         because,
         experiment: elsewhere(effect, unavailable).unwrap_or_default().into(),
     };
+    let whole = stage.unmasked();
+    let basis = Basis::of(&Hypothesis::columns(stage, &found.atoms));
+    let rows: f64 = stage.block_weight().iter().sum();
     let mut out: Vec<(Blind, Option<Atom>)> =
         NEVER.iter().map(|(effect, _, because)| (blind(effect, (*because).into(), false), None)).collect();
     for kind in TermKind::all() {
@@ -102,10 +113,36 @@ pub fn blind(
         }
         let atoms: Vec<&Atom> = search.catalogue.atoms.iter().filter(|a| a.term.kind == kind).collect();
         // none: not to be considered, told by comparing the channels, or part of the baseline already
-        if atoms.is_empty()
-            || atoms.iter().any(|a| is_shown(a))
-            || found.atoms.iter().any(|a| a.term.kind == kind)
-        {
+        let Some(middle) = atoms.get(atoms.len() / 2) else { continue };
+        if found.atoms.iter().any(|a| a.term.kind == kind) {
+            continue;
+        }
+        let here = middle.term.shape;
+        let middling = || atoms.iter().filter(|a| a.term.shape == here);
+        if atoms.iter().any(|a| is_shown(a)) {
+            // in its simplest form: whether one as strong as the noise floor would be seen
+            let simplest = middling()
+                .map(|a| (a, power(&whole.columns(&a.term))))
+                .filter(|(_, all)| *all > 0.0)
+                .min_by_key(|(a, _)| a.columns.len());
+            if let Some((atom, all)) = simplest
+                && let left = power(&stage.columns(&atom.term)) / all
+                && left < SET_ASIDE
+                && upper_bound(stage, &basis, atom, &found.fit.residual, rows)
+                    .is_none_or(|(_, bound)| bound * bound / left * rows > search.floor)
+            {
+                let shape = kind.shape().iter().zip(here).next();
+                let of =
+                    shape.map_or("it".into(), |(p, x)| format!("a {} of {x:.1e} {} or less", p.name, p.unit));
+                out.push((
+                    Blind {
+                        effect: id.into(),
+                        because: format!("{of} is over within the moments around reversals {UNSURE}"),
+                        experiment: SURER.into(),
+                    },
+                    None,
+                ));
+            }
             continue;
         }
         let visible = atoms.iter().map(|a| a.visible).fold(0.0, f64::max);
@@ -142,29 +179,25 @@ pub fn blind(
                 _ => format!("absorbed by the baseline on this motion ({:.1} % of it left)", 100.0 * visible),
             }
         };
-        // at a middling shape, in the form this recording has the channels for
-        let here = atoms[atoms.len() / 2].term.shape;
-        let size = |a: &&&Atom| stage.columns(&a.term).iter().map(|c| dot(c, c)).sum::<f64>();
-        let middling = atoms
-            .iter()
-            .filter(|a| a.term.shape == here)
-            .max_by(|a, b| size(a).total_cmp(&size(b)))
-            .filter(|_| movable(kind));
-        out.push((blind(id, because, false), middling.map(|a| (**a).clone())));
+        // in the form this recording has the channels for
+        let size = |a: &&&Atom| power(&stage.columns(&a.term));
+        let to_show = middling().max_by(|a, b| size(a).total_cmp(&size(b))).filter(|_| movable(kind));
+        out.push((blind(id, because, false), to_show.map(|a| (**a).clone())));
     }
     out
 }
 
 /// Effects that were tested beside everything that was found and are not there, with a 95 % upper bound of
-/// their root-mean-square force.
-pub fn rejected(search: &Search, found: &Hypothesis, equivalent: &[String], unit: &str) -> Vec<Rejected> {
+/// their root-mean-square force over all samples, in use or not. `besides`: effects that are not ruled out.
+pub fn rejected(search: &Search, found: &Hypothesis, besides: &[String], unit: &str) -> Vec<Rejected> {
     let stage = search.stage;
+    let whole = stage.unmasked();
     let basis = Basis::of(&Hypothesis::columns(stage, &found.atoms));
     let rows: f64 = stage.block_weight().iter().sum();
     let mut out = Vec::new();
     for kind in TermKind::all() {
         let id = kind.id();
-        if found.atoms.iter().any(|a| a.term.kind == kind) || equivalent.iter().any(|e| e == id) {
+        if found.atoms.iter().any(|a| a.term.kind == kind) || besides.iter().any(|e| e == id) {
             continue;
         }
         let bound = search
@@ -172,16 +205,23 @@ pub fn rejected(search: &Search, found: &Hypothesis, equivalent: &[String], unit
             .testable()
             .into_iter()
             .filter(|a| a.term.kind == kind && is_shown(a))
-            .filter_map(|a| upper_bound(stage, &basis, a, &found.fit.residual, rows))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, bound)) = bound {
-            out.push(Rejected { effect: id.into(), upper_bound: bound, unit: unit.into() });
+            .filter_map(|a| Some((upper_bound(stage, &basis, a, &found.fit.residual, rows)?, a)))
+            .max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+        if let Some(((_, bound), atom)) = bound {
+            let left = power(&atom.columns) / power(&whole.columns(&atom.term)).max(1e-300);
+            let upper_bound = bound / left.clamp(1e-12, 1.0).sqrt();
+            out.push(Rejected { effect: id.into(), upper_bound, unit: unit.into() });
         }
     }
     out
 }
 
-/// What the atom captures of the residual, and the upper bound of its force.
+/// Sum of squares over all columns.
+fn power(columns: &[Vec<f64>]) -> f64 {
+    columns.iter().map(|c| dot(c, c)).sum()
+}
+
+/// What the atom captures of the residual, and the upper bound of its force in the samples in use.
 fn upper_bound(stage: &Stage, basis: &Basis, atom: &Atom, residual: &[f64], rows: f64) -> Option<(f64, f64)> {
     let (mut captured, mut square) = (0.0, 0.0);
     for column in &atom.columns {

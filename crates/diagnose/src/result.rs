@@ -112,7 +112,7 @@ pub struct Blind {
 pub struct Rejected {
     /// Catalogue id.
     pub effect: String,
-    /// 95 % upper bound of its rms force.
+    /// 95 % upper bound of its rms force over all samples, those around reversals that are set aside included.
     pub upper_bound: f64,
     /// N or N·m.
     pub unit: String,

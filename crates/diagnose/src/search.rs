@@ -460,7 +460,12 @@ impl Search<'_> {
         let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
         let above = |sum: f64| sum - self.floor;
         let worth = (MATERIAL * above(start)).min(MOST_OF_REST * above(parent.fit.heldout_sum()));
-        let worth = worth.max(self.systematic);
+        let added = (0..child.atoms.len()).filter(|i| !parent.has(child.atoms[*i].term.kind));
+        let nowhere = Basis::default();
+        let share = added
+            .map(|i| spread(&self.contribution(child, i, &nowhere), &self.stage.blocks))
+            .reduce(f64::min);
+        let worth = worth.max(self.systematic * share.unwrap_or(1.0));
         let smooths = child
             .atoms
             .iter()
@@ -568,6 +573,20 @@ impl Search<'_> {
             .filter(|h| self.physical(h))
             .collect()
     }
+}
+
+/// Participation of `x`: 1 where all are of one size, 1/n where only one is not zero.
+fn participation(x: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum, square) = x.fold((0.0, 0.0, 0.0), |(n, s, q), x| (n + 1.0, s + x, q + x * x));
+    if square > 0.0 { sum * sum / (count * square) } else { 1.0 }
+}
+
+/// Share of each block's rows on which a force acts: 1 for anything as broad as normal noise, whose fourth moment is 3,
+/// small for what acts in every block but around reversals only. What acts in a few blocks and there everywhere has 1.
+fn spread(force: &[f64], blocks: &crate::linear::Blocks) -> f64 {
+    let rows = participation(force.iter().map(|x| x * x));
+    let energy = |k: usize| blocks.rows(k).map(|r| force[r] * force[r]).sum::<f64>();
+    (3.0 * rows / participation((0..blocks.len()).map(energy))).min(1.0)
 }
 
 fn kinds_of(h: &Hypothesis) -> Vec<&'static str> {

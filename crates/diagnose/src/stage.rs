@@ -135,6 +135,13 @@ impl Stage {
         out
     }
 
+    /// The same with nothing set aside, for columns of terms only.
+    pub fn unmasked(&self) -> Self {
+        let mut out = Self { y: Vec::new(), baseline: Vec::new(), ..self.clone() };
+        out.tracks.iter_mut().for_each(|t| t.mask.fill(1.0));
+        out
+    }
+
     /// Residual at every sample of every track, behind the filter, for given baseline coefficients.
     pub fn sample_residual(&self, coefficients: &[f64]) -> Vec<Vec<f64>> {
         self.tracks

@@ -174,7 +174,7 @@ pub(crate) fn stage(planned: &Planned, seconds: f64) -> Scene {
             if (ratio - 1.0).abs() < 0.03 {
                 break;
             }
-            hidden[i].size = (hidden[i].size * ratio.clamp(0.1, 5.0)).min(hidden[i].kind.size.1);
+            hidden[i].size = (hidden[i].size * ratio.clamp(0.1, 5.0)).min(hidden[i].most(&body));
         }
     }
     let make = |programme: &Programme| {

@@ -1,7 +1,7 @@
 //! What can be hidden: every effect of the catalogue in equations of this module's own, each scaled by one size.
 
 use super::motion::LOAD;
-use super::plant::State;
+use super::plant::{Body, State};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -92,6 +92,14 @@ impl Hidden {
     /// Period over the stroke, half strokes.
     pub(crate) fn wavelength(&self) -> f64 {
         0.4 * self.scale
+    }
+
+    /// The largest size that is still this effect: friction that is late may vanish and not drive.
+    pub(crate) fn most(&self, body: &Body) -> f64 {
+        match self.kind.id {
+            "frictional_lag" => self.kind.size.1.min(0.5 * body.coulomb[0].min(body.coulomb[1])),
+            _ => self.kind.size.1,
+        }
     }
 
     /// Time constant, s.
