@@ -92,13 +92,18 @@ pub fn settle(search: &Search, found: &Hypothesis) -> Option<(Stage, Acting)> {
         // with a share that is free a time runs along the ridge on which their product is the same
         let moves = next.atoms.iter().any(|a| is_transport(a.term.kind.id()));
         found = if moves { transport::nearby(&search, next) } else { search.refine(next, ROUGH) };
-        // What the gain of a channel takes, the baseline gives: alone, each answer misses by as much of the last error
+        // What the gain of a channel takes, the rest gives: alone, each answer misses by as much of the last error
         // as the gain is, to the other side. Halfway there is little left.
         let next = Acting::of(&stage, &found);
         for (old, new) in acting.baseline.iter_mut().zip(&next.baseline) {
             *old = 0.5 * (*old + new);
         }
-        acting.effects = next.effects;
+        let before = std::mem::replace(&mut acting.effects, next.effects);
+        for ((_, new, _), (_, old, _)) in acting.effects.iter_mut().zip(&before) {
+            for (new, old) in new.iter_mut().zip(old) {
+                *new = 0.5 * (*old + *new);
+            }
+        }
     }
     stage.model_force(&acting);
     let moved = |of: fn(f64, f64) -> f64| -> f64 {

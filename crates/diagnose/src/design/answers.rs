@@ -55,6 +55,11 @@ impl Designer<'_> {
                 }
                 let Some((question, best)) = each.next() else { continue };
                 if best.as_ref().is_some_and(|e| self.contains(question, e)) {
+                    // over a part of a turn a pendulum is a spring
+                    if rival.id == "gravity" {
+                        standing.push(rival.id);
+                        others.extend(elsewhere(rival.id, true).map(String::from));
+                    }
                     continue;
                 }
                 let best = best.as_ref();
