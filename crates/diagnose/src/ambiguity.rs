@@ -4,7 +4,7 @@ use crate::design::{elsewhere, movable};
 use crate::flips::block_scores;
 use crate::linear::{Basis, dot};
 use crate::result::{Blind, Rejected};
-use crate::search::{Atom, COLLINEAR, CONCEALED, Hypothesis, ROUGH, Search, is_shown};
+use crate::search::{AS_GOOD, Atom, COLLINEAR, CONCEALED, Hypothesis, ROUGH, Search, is_shown};
 use crate::term::{Stage, TermKind};
 
 /// Moments that are set aside.
@@ -70,7 +70,7 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> 
         let interval = search.interval(&rival, found);
         let lost = rival.fit.heldout_sum() - found.fit.heldout_sum();
         let gained = without.as_ref().map_or(0.0, |w| w.fit.heldout_sum() - found.fit.heldout_sum());
-        if interval[0] <= 0.0 || lost < 0.03 * gained {
+        if interval[0] <= 0.0 || lost < AS_GOOD * gained {
             out.push(Rival { id: kind.id(), fit: Some(rival) });
         }
     }

@@ -26,6 +26,9 @@ const MATERIAL: f64 = 0.01;
 /// hundredth of the mismatch and nearly all of the rest.
 const MOST_OF_REST: f64 = 0.5;
 
+/// Share of what a term gains that another may lose in its place and still count as good.
+pub const AS_GOOD: f64 = 0.03;
+
 /// Steps of refinement while hypotheses compete, and for the one that is left.
 pub const ROUGH: usize = 6;
 const FINE: usize = 40;
@@ -264,7 +267,7 @@ impl Search<'_> {
             best = found.clone();
             beam = kept;
         }
-        let best = self.refine(self.plain(self.simplify(best)), FINE);
+        let best = self.refine(self.sublinear(self.plain(self.simplify(best))), FINE);
         Some(self.prune(crate::transport::settle(self, best), start))
     }
 
@@ -320,6 +323,32 @@ impl Search<'_> {
             }
         }
         best
+    }
+
+    /// Puts `stribeck` in the place of a `sublinear_viscous` that is not: with a power above 1 friction grows faster than
+    /// the speed, and beside a free viscous part that is friction which falls.
+    fn sublinear(&self, best: Hypothesis) -> Hypothesis {
+        let is = |a: &Atom, id: &str| a.term.kind.id() == id;
+        let Some(i) = best.atoms.iter().position(|a| is(a, "sublinear_viscous") && a.term.shape[1] > 1.0)
+        else {
+            return best;
+        };
+        let mut others = best.atoms.clone();
+        others.remove(i);
+        let without = Hypothesis::new(self.stage, others);
+        let rivals = self.catalogue.testable().into_iter().filter(|a| is(a, "stribeck")).filter_map(|a| {
+            let mut atoms = best.atoms.clone();
+            atoms[i] = a.clone();
+            Hypothesis::new(self.stage, atoms)
+        });
+        let rival = rivals.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
+        let Some(rival) = rival.map(|h| self.refine(h, ROUGH)).filter(|h| self.physical(h)) else {
+            return best;
+        };
+        let gained = without.map_or(0.0, |w| w.fit.heldout_sum() - best.fit.heldout_sum());
+        let lost = rival.fit.heldout_sum() - best.fit.heldout_sum();
+        let as_good = self.interval(&rival, &best)[0] <= 0.0 || lost < AS_GOOD * gained;
+        if as_good { rival } else { best }
     }
 
     /// The simplest hypothesis with one term in the place of the `group`, where one is as good.

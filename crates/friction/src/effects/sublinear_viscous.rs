@@ -1,8 +1,8 @@
 //! Viscous friction that levels off with speed: the lubricant shears thin, or the film builds up.
 //!
 //! F = s·force·(1 − exp(−(|v|/v_0)^power)), s = sgn v; by direction. For |v| ≪ v_0 this is the power law
-//! s·(|v|/v_0)^power, for |v| ≫ v_0 a level. A power above 1 would be friction that grows faster than the speed: beside a
-//! free viscous part that is friction which falls, another effect.
+//! s·(|v|/v_0)^power, for |v| ≫ v_0 a level. With a power above 1 it is, beside a free viscous part, friction that falls:
+//! a diagnosis prefers stribeck then.
 //!
 //! * Signature: odd in v, steep at low speed: friction *falls* toward rest.
 //! * Confused with: stribeck with the other sign (the same curve if a Coulomb level is free; hence both gains
@@ -26,7 +26,7 @@ impl Signature for SublinearViscous {
     ];
     const SHAPE: &'static [Parameter] = &[
         Parameter::new("v_0", "m/s", (1e-6, 1e2), "speed at which it levels off"),
-        Parameter::new("power", "1", (0.2, 1.0), "power of the speed below v_0"),
+        Parameter::new("power", "1", (0.2, 2.0), "power of the speed below v_0"),
     ];
 
     fn unit<S: Scalar>(
