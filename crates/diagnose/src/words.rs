@@ -1,6 +1,28 @@
 //! The answer as one sentence for a person.
 
+use crate::channel::OF_CHANNELS;
 use crate::result::{Diagnosis, Verdict};
+
+/// Force error without and with what is missing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Errors {
+    pub before: f64,
+    pub after: f64,
+    /// Of single samples, the channel as recorded against the channel set right: all that is missing was told by
+    /// comparing channels and is gone from what was fitted. Otherwise behind the filter, on data the fit did not see.
+    pub of_samples: bool,
+}
+
+impl Errors {
+    pub(crate) fn of(d: &Diagnosis) -> Self {
+        match d.missing.first() {
+            Some(m) if d.missing.iter().all(|m| OF_CHANNELS.iter().any(|e| e.0 == m.effect)) => {
+                Self { before: m.rms_heldout_before, after: m.rms_heldout_after, of_samples: true }
+            }
+            _ => Self { before: d.baseline.rms_heldout, after: d.after.rms_heldout, of_samples: false },
+        }
+    }
+}
 
 /// One sentence: what is missing, or that nothing is, and how sure that is.
 pub fn summary(d: &Diagnosis) -> String {
@@ -22,7 +44,9 @@ pub fn summary(d: &Diagnosis) -> String {
             };
             let first =
                 d.missing.first().map_or_else(String::new, |m| format!(": {}", m.says.trim_end_matches('.')));
-            let place = d.location.first().map_or_else(String::new, |l| {
+            let Errors { before, after, of_samples } = Errors::of(d);
+            // what is left of a channel that was set right says nothing of where it showed
+            let place = d.location.first().filter(|_| !of_samples).map_or_else(String::new, |l| {
                 format!(
                     "; most of it shows over {} from {} to {} {}",
                     l.coordinate.replace('_', " "),
@@ -31,10 +55,15 @@ pub fn summary(d: &Diagnosis) -> String {
                     l.unit
                 )
             });
+            let falls = if of_samples {
+                "set right, the error of a force sample"
+            } else {
+                "with it the held-out error"
+            };
             format!(
-                "The simulation leaves out {list}{first}; with it the held-out error falls from {} to {} {unit}{place}.",
-                short(d.baseline.rms_heldout),
-                short(d.after.rms_heldout),
+                "The simulation leaves out {list}{first}; {falls} falls from {} to {} {unit}{place}.",
+                short(before),
+                short(after),
             )
         }
     }

@@ -4,6 +4,7 @@ use super::chart::{Chart, Ink, Stroke, laid_end_to_end};
 use super::page::Page;
 use super::tables::{experiment, faults, parameters};
 use super::text::{escape, number, p_value, percent, with_std, words};
+use crate::words::Errors;
 use crate::{Curve, Diagnosis, Location, Missing, PerRecording, Verdict};
 use std::fmt::Write;
 
@@ -47,12 +48,16 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
         page.html(format!(r#"<p class="soft" style="margin-top:12px">{}</p>"#, escape(&d.summary)));
     }
     let unit = escape(&d.noise_floor.unit);
-    let mut rows: Vec<(&str, f64, &str)> =
-        vec![("without the missing physics", d.baseline.rms_heldout, "before")];
+    let Errors { before, after, of_samples } = Errors::of(d);
+    let (without, with) =
+        if of_samples { ("as recorded", "set right") } else { ("without the missing physics", "with it") };
+    let mut rows: Vec<(&str, f64, &str)> = vec![(without, before, "before")];
     if !d.missing.is_empty() {
-        rows.push(("with it", d.after.rms_heldout, "after"));
+        rows.push((with, after, "after"));
     }
-    rows.push(("noise floor", d.noise_floor.rms, "bar"));
+    if !of_samples {
+        rows.push(("noise floor", d.noise_floor.rms, "bar"));
+    }
     rows.retain(|r| r.1.is_finite());
     let longest = rows.iter().map(|r| r.1).fold(0.0, f64::max);
     if longest > 0.0 {
@@ -67,9 +72,12 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
         }
         ladder.push_str("</div>");
         page.html(ladder);
-        page.html(
-            r#"<p class="soft" style="margin-top:10px;font-size:13.5px">Root-mean-square force error on data the fit did not see. No model can go below the noise floor.</p>"#,
-        );
+        let note = if of_samples {
+            "Root-mean-square error of the force a simulation driven by this channel gives, with the noise of one sample."
+        } else {
+            "Root-mean-square force error on data the fit did not see. No model can go below the noise floor."
+        };
+        page.html(format!(r#"<p class="soft" style="margin-top:10px;font-size:13.5px">{note}</p>"#));
     }
     page.html("</header>");
     page.html(faults(&d.recording_faults));

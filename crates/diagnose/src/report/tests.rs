@@ -271,3 +271,18 @@ fn an_identification_says_what_it_could_not_determine() {
     }
     assert!(identification_html(&Identified::default()).contains("</html>"));
 }
+
+#[test]
+fn what_was_told_by_comparing_channels_fell_from_an_error_to_the_same_error() {
+    let mut d = stribeck(2000);
+    d.missing[0].effect = "encoder_eccentricity".into();
+    (d.missing[0].rms_heldout_before, d.missing[0].rms_heldout_after) = (0.14, 0.062);
+    (d.baseline.rms_heldout, d.after.rms_heldout) = (0.0286, 0.0286);
+    let summary = crate::words::summary(&d);
+    assert!(summary.contains("error of a force sample falls from 0.140 to 0.0620 N"), "{summary}");
+    let page = html(&d, "brass.csv");
+    assert!(page.contains("as recorded") && page.contains("set right"));
+    // beside an effect of the force the fit has both
+    d.missing.push(Missing { effect: "spring".into(), ..d.missing[0].clone() });
+    assert!(crate::words::summary(&d).contains("with it the held-out error falls from 0.0286 to 0.0286 N"));
+}
