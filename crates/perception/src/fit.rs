@@ -218,25 +218,27 @@ mod tests {
         not: usize,
     }
 
-    /// Estimates of 200 observers from 0.25 to 1.6 N, whose answers come from noise on what is felt, not from a
-    /// Weibull function; `ask` presents and answers.
+    /// Estimates of 200 observers for each seed, from 0.25 to 1.6 N, whose answers come from noise on what is felt, not
+    /// from a Weibull function; `ask` presents and answers.
     fn recover(
         what: &str,
-        seed: u64,
+        seeds: &[u64],
         ask: impl Fn(&Observer, f64, &mut ChaCha8Rng) -> Vec<(f64, bool)>,
     ) -> Recovered {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (mut ratios, mut inside, mut not) = (Vec::new(), 0, 0);
-        for k in 0..200 {
-            let jnd = 0.25 * 6.4_f64.powf(f64::from(k) / 199.0);
-            let observer = Observer::with_jnd(&Stimulus::REFERENCE, jnd, 0.005 * f64::from(k % 5));
-            let fit = Fit::new(&levels(ask(&observer, jnd, &mut rng))).expect("answers");
-            match fit.threshold {
-                Threshold::Estimated { jnd: found, ci95 } => {
-                    ratios.push((found / jnd).ln());
-                    inside += usize::from(ci95.0 <= jnd && jnd <= ci95.1);
+        for &seed in seeds {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            for k in 0..200 {
+                let jnd = 0.25 * 6.4_f64.powf(f64::from(k) / 199.0);
+                let observer = Observer::with_jnd(&Stimulus::REFERENCE, jnd, 0.005 * f64::from(k % 5));
+                let fit = Fit::new(&levels(ask(&observer, jnd, &mut rng))).expect("answers");
+                match fit.threshold {
+                    Threshold::Estimated { jnd: found, ci95 } => {
+                        ratios.push((found / jnd).ln());
+                        inside += usize::from(ci95.0 <= jnd && jnd <= ci95.1);
+                    }
+                    _ => not += 1,
                 }
-                _ => not += 1,
             }
         }
         let n = ratios.len() as f64;
@@ -244,7 +246,8 @@ mod tests {
         let spread = (ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / n).sqrt();
         let (bias, covered) = (mean.exp_m1(), inside as f64 / n);
         println!(
-            "{what}: {n} of 200 observers estimated ({not} not), bias {:+.2} %, spread {:.1} %, 95 % interval covers {:.1} %",
+            "{what}: {n} of {} observers estimated ({not} not), bias {:+.2} %, spread {:.1} %, 95 % interval covers {:.1} %",
+            200 * seeds.len(),
             100.0 * bias,
             100.0 * spread,
             100.0 * covered
@@ -264,7 +267,7 @@ mod tests {
     #[test]
     fn two_hundred_observers_of_known_jnd_constant_stimuli() {
         for seed in [101, 202] {
-            let found = recover("constant stimuli, 7 levels × 40", seed, |observer, _, rng| {
+            let found = recover("constant stimuli, 7 levels × 40", &[seed], |observer, _, rng| {
                 let differences = (0..7).map(|k| 0.1 * 50.0_f64.powf(f64::from(k) / 6.0));
                 differences.flat_map(|x| (0..40).map(|_| say(observer, x, rng)).collect::<Vec<_>>()).collect()
             });
@@ -276,7 +279,8 @@ mod tests {
 
     #[test]
     fn quest_plus_needs_fewer_answers() {
-        let quest = recover("QUEST+, 80 answers", 303, |observer, _, rng| {
+        // 200 observers tell a coverage of 97 % from one of 99 % in one draw of two only
+        let quest = recover("QUEST+, 80 answers", &[303, 304, 305], |observer, _, rng| {
             let mut quest = QuestPlus::new((0.02, 6.0));
             let mut answers = Vec::new();
             for _ in 0..80 {
@@ -289,7 +293,7 @@ mod tests {
         let constant = |each: usize| {
             recover(
                 &format!("constant stimuli over the same range, 8 levels × {each}"),
-                303,
+                &[303],
                 |observer, _, rng| {
                     let differences = (0..8).map(|k| 0.02 * 300.0_f64.powf(f64::from(k) / 7.0));
                     differences
@@ -300,7 +304,8 @@ mod tests {
         };
         let (same, twice) = (constant(10), constant(20));
         assert!(quest.bias.abs() < 0.05, "bias {}", quest.bias);
-        assert!(quest.covered >= 0.90 && quest.not <= 20);
+        assert!((0.90..=0.98).contains(&quest.covered), "coverage {}", quest.covered);
+        assert!(quest.not <= 60);
         assert!(
             quest.spread < 0.85 * same.spread && quest.spread < 1.1 * twice.spread,
             "about half the answers"
