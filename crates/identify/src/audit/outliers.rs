@@ -87,11 +87,13 @@ pub(super) fn far_from_neighbours(recording: &Recording, out: &mut Vec<Recording
         let found = of_column(recording, name, values);
         if let Some(first) = found.first() {
             let share = 100.0 * found.len() as f64 / values.len().max(1) as f64;
-            let why = format!(
-                "{name} has {} far from all their neighbours ({share:.2} %), the first {:.4e}",
-                if found.len() == 1 { "a sample".into() } else { format!("{} samples", found.len()) },
-                values[*first]
-            );
+            let value = values[*first];
+            let why = match found.len() {
+                1 => format!("{name} has a sample far from all its neighbours, {value:.4e}"),
+                n => format!(
+                    "{name} has {n} samples far from all their neighbours ({share:.2} %), the first {value:.4e}"
+                ),
+            };
             out.push(RecordingFault::new(FaultKind::Outliers, recording.time.get(*first).copied(), why));
         }
     }
