@@ -7,10 +7,9 @@ use crate::result::{Blind, Rejected};
 use crate::search::{AS_GOOD, Atom, COLLINEAR, CONCEALED, Hypothesis, ROUGH, Search, is_shown};
 use crate::term::{Stage, TermKind};
 
-/// Moments that are set aside.
-const UNSURE: &str = "in which the direction is not known";
-/// What makes them shorter.
-const SURER: &str = "record velocity and acceleration beside the position, or reverse faster: the direction is known sooner then";
+/// What makes the moments around reversals that are set aside shorter.
+const SURER: &str =
+    "reverse faster, or record position and velocity with less noise: the direction is known sooner then";
 
 /// Share of an effect in the samples in use below which a recording is said to be blind to it.
 const SET_ASIDE: f64 = 0.05;
@@ -102,7 +101,6 @@ pub fn blind(
     };
     let whole = stage.unmasked();
     let basis = Basis::of(&Hypothesis::columns(stage, &found.atoms));
-    let rows: f64 = stage.block_weight().iter().sum();
     let mut out: Vec<(Blind, Option<Atom>)> =
         NEVER.iter().map(|(effect, _, because)| (blind(effect, (*because).into(), false), None)).collect();
     for kind in TermKind::all() {
@@ -120,29 +118,7 @@ pub fn blind(
         let here = middle.term.shape;
         let middling = || atoms.iter().filter(|a| a.term.shape == here);
         if atoms.iter().any(|a| is_shown(a)) {
-            // in its simplest form: whether one as strong as the noise floor would be seen
-            let simplest = middling()
-                .map(|a| (a, power(&whole.columns(&a.term))))
-                .filter(|(_, all)| *all > 0.0)
-                .min_by_key(|(a, _)| a.columns.len());
-            if let Some((atom, all)) = simplest
-                && let left = power(&stage.columns(&atom.term)) / all
-                && left < SET_ASIDE
-                && upper_bound(stage, &basis, atom, &found.fit.residual, rows)
-                    .is_none_or(|(_, bound)| bound * bound / left * rows > search.floor)
-            {
-                let shape = kind.shape().iter().zip(here).next();
-                let of =
-                    shape.map_or("it".into(), |(p, x)| format!("a {} of {x:.1e} {} or less", p.name, p.unit));
-                out.push((
-                    Blind {
-                        effect: id.into(),
-                        because: format!("{of} is over within the moments around reversals {UNSURE}"),
-                        experiment: SURER.into(),
-                    },
-                    None,
-                ));
-            }
+            out.extend(over_before_seen(search, found, &whole, &basis, middling()).map(|b| (b, None)));
             continue;
         }
         let visible = atoms.iter().map(|a| a.visible).fold(0.0, f64::max);
@@ -185,6 +161,37 @@ pub fn blind(
         out.push((blind(id, because, false), to_show.map(|a| (**a).clone())));
     }
     out
+}
+
+/// Says of an effect that acts after a reversal, at one shape, that it is over before the direction is known: one as
+/// strong as the noise floor would not be seen. `whole` is the stage with nothing set aside.
+fn over_before_seen<'a>(
+    search: &Search,
+    found: &Hypothesis,
+    whole: &Stage,
+    basis: &Basis,
+    variants: impl Iterator<Item = &'a &'a Atom>,
+) -> Option<Blind> {
+    let stage = search.stage;
+    let rows: f64 = stage.block_weight().iter().sum();
+    // in its simplest form that is anything at all
+    let (atom, all) = variants
+        .map(|a| (*a, power(&whole.columns(&a.term))))
+        .filter(|(_, all)| *all > 0.0)
+        .min_by_key(|(a, _)| a.columns.len())?;
+    let kind = atom.term.kind;
+    let parameter = kind.shape().first().filter(|p| ["s", "m", "m/s"].contains(&p.unit))?;
+    let left = power(&stage.columns(&atom.term)) / all;
+    let unseen = |(_, bound): (f64, f64)| bound * bound / left * rows > search.floor;
+    let bound = upper_bound(stage, basis, atom, &found.fit.residual, rows);
+    (left < SET_ASIDE && bound.is_none_or(unseen)).then(|| Blind {
+        effect: kind.id().into(),
+        because: format!(
+            "a {} of {:.1e} {} or less is over within the moments around reversals in which the direction is not known",
+            parameter.name, atom.term.shape[0], parameter.unit
+        ),
+        experiment: SURER.into(),
+    })
 }
 
 /// Effects that were tested beside everything that was found and are not there, with a 95 % upper bound of
