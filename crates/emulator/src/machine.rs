@@ -133,15 +133,18 @@ impl Machine {
     }
 
     fn run_until(&mut self, end: u64, stop: impl Fn(&Self) -> bool) {
+        let mut asleep = self.is_idle();
         while self.now < end && !stop(self) {
             if self.now >= self.next || self.shared.touched.swap(false, Relaxed) {
                 self.attend();
+                asleep = self.is_idle();
             }
             self.shared.now.store(self.now, Relaxed);
             let before = self.now;
-            let was_asleep = self.cpu.is_asleep() || self.cpu.is_locked_up();
+            let was_asleep = asleep;
             let cycles = self.step();
-            if was_asleep && (self.cpu.is_asleep() || self.cpu.is_locked_up()) {
+            asleep = self.is_idle();
+            if was_asleep && asleep {
                 // nothing but an event can wake it
                 self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
             } else {
@@ -153,8 +156,14 @@ impl Machine {
             if self.cpu.reset_requested() {
                 self.cpu.clear_reset_request();
                 self.reset(ResetCause::Software);
+                asleep = self.is_idle();
             }
         }
+    }
+
+    /// Asleep, or locked up after a fault within a fault.
+    fn is_idle(&self) -> bool {
+        self.cpu.is_asleep() || self.cpu.is_locked_up()
     }
 
     /// One instruction, or the entry of one exception.
@@ -219,12 +228,12 @@ impl Machine {
 
     /// A pending control interrupt preempts every handler, unless a critical section masks it.
     fn watch_priority(&mut self) {
+        if !self.control_pending || self.entered.is_some() {
+            self.held_up = 0;
+            return;
+        }
         let exception = self.cpu.current_exception().0;
-        let waits = self.entered.is_none()
-            && self.control_pending
-            && exception > 15
-            && exception != 16 + IRQ_ADC1_2
-            && self.cpu.execution_priority() > 0;
+        let waits = exception > 15 && exception != 16 + IRQ_ADC1_2 && self.cpu.execution_priority() > 0;
         self.held_up = if waits { self.held_up + 1 } else { 0 };
         if self.held_up == HELD_UP {
             let why = format!(
