@@ -346,8 +346,6 @@ impl Run<'_> {
         // what is smaller is not named even where it is seen
         let bound = detectable(&rejected).max(to_rms(search.systematic));
         let (time, (position, velocity)) = (row_times(stage), row_motion(stage));
-        let unweighted =
-            |series: &[f64]| -> Vec<f64> { series.iter().zip(&stage.weight).map(|(x, w)| x / w).collect() };
         let mut curves = located.curves;
         curves.truncate(8);
         let figures = Figures {
@@ -355,9 +353,9 @@ impl Run<'_> {
             time,
             position,
             velocity,
-            force: unweighted(&stage.y),
-            before: unweighted(&baseline.fit.heldout_prediction),
-            after: unweighted(&found.fit.heldout_prediction),
+            force: stage.y.clone(),
+            before: baseline.fit.heldout_prediction.clone(),
+            after: found.fit.heldout_prediction.clone(),
             curves,
         };
         let frozen = Frozen {
@@ -607,7 +605,7 @@ impl Run<'_> {
                 series[rows.clone()].iter().sum::<f64>() / rows.len() as f64
             })
             .collect();
-        out.resize(self.stage.weight.len(), f64::NAN);
+        out.resize(self.stage.share.len(), f64::NAN);
         out
     }
 

@@ -49,7 +49,7 @@ pub struct Located {
 
 /// Mean over the used samples of each row of a series.
 fn row_means(stage: &Stage, of: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
-    let mut out = Vec::with_capacity(stage.weight.len());
+    let mut out = Vec::with_capacity(stage.share.len());
     for track in &stage.tracks {
         let series = of(track);
         for r in 0..track.row_count() {
@@ -64,7 +64,7 @@ fn row_means(stage: &Stage, of: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
 
 /// Time of each row, s.
 pub fn row_times(stage: &Stage) -> Vec<f64> {
-    let mut out = Vec::with_capacity(stage.weight.len());
+    let mut out = Vec::with_capacity(stage.share.len());
     for track in &stage.tracks {
         for r in 0..track.row_count() {
             out.push(track.time(r * track.stride) + 0.5 * (track.stride - 1) as f64 * track.raw.dt);
@@ -203,7 +203,7 @@ pub fn locate(
             }
             let mut indicator = vec![0.0; residual.len()];
             for &r in rows {
-                indicator[r] = stage.weight[r] * sign[r];
+                indicator[r] = sign[r];
             }
             let rest = basis.project_out(&indicator);
             let size = dot(&rest, &rest).sqrt();
@@ -264,8 +264,8 @@ fn describe(
             let mean = |series: &[f64]| {
                 let (mut sum, mut weight) = (0.0, 0.0);
                 for &r in rows {
-                    sum += series[r] * stage.weight[r] * sign[r];
-                    weight += stage.weight[r] * stage.weight[r] * stage.share[r];
+                    sum += series[r] * sign[r];
+                    weight += stage.share[r];
                 }
                 if weight > 0.0 { sum / weight } else { 0.0 }
             };
@@ -274,9 +274,9 @@ fn describe(
             for &r in rows {
                 let block = stage.blocks.edges.partition_point(|e| *e <= r).saturating_sub(1);
                 if let Some(b) = by_block.get_mut(block) {
-                    *b += noise[r] * stage.weight[r];
+                    *b += noise[r];
                 }
-                weight += stage.weight[r] * stage.weight[r] * stage.share[r];
+                weight += stage.share[r];
             }
             let deviation = dot(&by_block, &by_block).sqrt() / weight.max(1e-300);
             Bin {
@@ -305,7 +305,7 @@ fn regions(
     floor: f64,
     total: f64,
 ) -> (f64, Vec<Location>) {
-    let rows_all: f64 = stage.weight.iter().zip(&stage.share).map(|(w, s)| w * w * s).sum();
+    let rows_all: f64 = stage.share.iter().sum();
     let significant = |bin: usize| cut.tests[bin].is_some_and(|t| outcome.p[t] <= 0.05);
     let mut organised = 0.0;
     let mut out = Vec::new();
@@ -320,8 +320,8 @@ fn regions(
         while bin < cut.members.len() && significant(bin) {
             let (mut sum, mut size) = (0.0, 0.0);
             for &r in &cut.members[bin] {
-                sum += residual[r] * stage.weight[r] * sign[r];
-                size += stage.weight[r].powi(2) * stage.share[r];
+                sum += residual[r] * sign[r];
+                size += stage.share[r];
                 squared += residual[r].powi(2);
             }
             weight += size;

@@ -1,4 +1,4 @@
-//! From channels to a regression: stretches, weights, blocks, and one more draw of the sensors' noise.
+//! From channels to a regression: stretches, blocks, and one more draw of the sensors' noise.
 
 use crate::acting::Acting;
 use crate::linear::{Blocks, fit};
@@ -54,8 +54,7 @@ impl Stage {
         if share.iter().filter(|s| **s > 0.5).count() < FEWEST_ROWS {
             return None;
         }
-        let weight = vec![1.0; share.len()];
-        let mut stage = Self { tracks, weight, share, blocks, y: Vec::new(), baseline: Vec::new(), delay };
+        let mut stage = Self { tracks, share, blocks, y: Vec::new(), baseline: Vec::new(), delay };
         stage.fill();
         let first = fit(&stage.baseline, &stage.y, &stage.blocks, 4);
         if let Some(first) = &first {
@@ -81,11 +80,11 @@ impl Stage {
         let per_track: Vec<[Vec<f64>; 5]> = self.tracks.iter().map(Track::baseline).collect();
         self.baseline = (0..5)
             .map(|c| {
-                let mut column = Vec::with_capacity(self.weight.len());
+                let mut column = Vec::with_capacity(self.share.len());
                 for (track, series) in self.tracks.iter().zip(&per_track) {
                     track.rows(&track.pass(&series[c]), &mut column);
                 }
-                column.iter().zip(&self.weight).map(|(x, w)| x * w).collect()
+                column
             })
             .collect();
         // A motion in one direction only has nothing to say about the other.
@@ -98,7 +97,7 @@ impl Stage {
         }
     }
 
-    /// The same stage with one more draw of every sensor's noise, rows and weights unchanged.
+    /// The same stage with one more draw of every sensor's noise, rows unchanged.
     pub fn perturbed(&self, cutoff: f64, acting: &Acting, seed: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut noisy = |series: &[f64]| -> Vec<f64> {

@@ -147,13 +147,11 @@ pub fn gather(all: &[Vec<f64>], groups: &[Vec<usize>]) -> Vec<Vec<f64>> {
 pub struct Stage {
     /// Gap-free stretches, in order of time within a recording.
     pub tracks: Vec<Track>,
-    /// Square root of each row's weight.
-    pub weight: Vec<f64>,
     /// Share of each row's samples that are used.
     pub share: Vec<f64>,
     /// Blocks of rows.
     pub blocks: Blocks,
-    /// Filtered, masked, weighted force.
+    /// Filtered, masked force.
     pub y: Vec<f64>,
     /// The same for the baseline's columns.
     pub baseline: Vec<Vec<f64>>,
@@ -164,25 +162,16 @@ pub struct Stage {
 impl Stage {
     /// Rows of a series per track that is already filtered.
     pub fn rows(&self, of: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
-        let mut out = Vec::with_capacity(self.weight.len());
+        let mut out = Vec::with_capacity(self.share.len());
         for track in &self.tracks {
             track.rows(&of(track), &mut out);
         }
-        self.weigh(&mut out);
         out
     }
 
     /// Effective number of rows in each block.
     pub fn block_weight(&self) -> Vec<f64> {
-        (0..self.blocks.len())
-            .map(|k| self.blocks.rows(k).map(|r| self.share[r] * self.weight[r].powi(2)).sum())
-            .collect()
-    }
-
-    fn weigh(&self, column: &mut [f64]) {
-        for (c, w) in column.iter_mut().zip(&self.weight) {
-            *c *= w;
-        }
+        (0..self.blocks.len()).map(|k| self.blocks.rows(k).map(|r| self.share[r]).sum()).collect()
     }
 
     /// Columns of a term, one per free gain.
@@ -199,14 +188,11 @@ impl Stage {
     }
 
     fn sensor_columns(&self, sensor: &Sensor, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::with_capacity(self.weight.len()); sensor.gains.len()];
+        let mut out = vec![Vec::with_capacity(self.share.len()); sensor.gains.len()];
         for track in &self.tracks {
             for (column, series) in out.iter_mut().zip((sensor.columns)(track, shape)) {
                 track.rows(&track.pass(&series), column);
             }
-        }
-        for column in &mut out {
-            self.weigh(column);
         }
         out
     }
@@ -222,12 +208,9 @@ impl Stage {
 
     /// Rows of the force per unit of each of `L` gains.
     fn force_lanes<const L: usize>(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::with_capacity(self.weight.len()); L];
+        let mut out = vec![Vec::with_capacity(self.share.len()); L];
         for (track, series) in self.tracks.iter().zip(self.units::<L>(kind, shape)) {
             track.passed_rows(&series, &mut out);
-        }
-        for column in &mut out {
-            self.weigh(column);
         }
         out
     }

@@ -32,7 +32,7 @@ pub fn find(search: &Search, found: &Hypothesis, left: &Located, start: f64) -> 
         let bin = edges.partition_point(|e| e <= v).saturating_sub(1).min(edges.len().saturating_sub(2));
         let way = if directed && sign[row] < 0.0 { -1.0 } else { 1.0 };
         if let Some(step) = steps.get_mut(bin / per) {
-            step[row] = way * stage.weight[row] * stage.share[row];
+            step[row] = way * stage.share[row];
         }
     }
     let mut columns: Vec<&[f64]> = base.clone();
