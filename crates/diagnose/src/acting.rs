@@ -6,7 +6,7 @@
 //! known the force is taken from all of it.
 
 use crate::search::{Atom, Hypothesis, ROUGH, Search};
-use crate::sensor::is_transport;
+use crate::sensor::Acts;
 use crate::term::{Stage, TermKind};
 use crate::transport;
 use friction::effects::{EffectKind, MAX_GAINS, MAX_SHAPE};
@@ -90,7 +90,7 @@ pub fn settle(search: &Search, found: &Hypothesis) -> Option<(Stage, Acting)> {
             |a: &Atom| Atom { reliable: a.reliable, ..Atom::new(&stage, &search.catalogue.baseline, a.term) };
         let next = Hypothesis::new(&stage, found.atoms.iter().map(again).collect())?;
         // with a share that is free a time runs along the ridge on which their product is the same
-        let moves = next.atoms.iter().any(|a| is_transport(a.term.kind.id()));
+        let moves = next.atoms.iter().any(|a| a.term.kind.acts(Acts::InTime));
         found = if moves { transport::nearby(&search, next) } else { search.refine(next, ROUGH) };
         // What the gain of a channel takes, the rest gives: alone, each answer misses by as much of the last error
         // as the gain is, to the other side. Halfway there is little left.

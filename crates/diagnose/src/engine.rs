@@ -17,6 +17,7 @@ use crate::result::{
     After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Verdict,
 };
 use crate::search::{Catalogue, Hypothesis, Search};
+use crate::sensor::Acts;
 use crate::signal::derivative;
 use crate::static_branch;
 use crate::term::{Scales, Stage, TermKind};
@@ -423,7 +424,7 @@ impl Run<'_> {
         }
         let dt = self.intake.stretches.iter().map(|s| s.dt).fold(0.0, f64::max);
         let delay = found.fit.coefficients.get(BASELINE.len()).copied().unwrap_or(0.0);
-        let lags = found.atoms.iter().any(|a| crate::sensor::is_transport(a.term.kind.id()));
+        let lags = found.atoms.iter().any(|a| a.term.kind.acts(Acts::InTime));
         if delay.abs() <= dt && !lags {
             return None;
         }

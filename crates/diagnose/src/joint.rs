@@ -3,7 +3,7 @@
 
 use crate::linear::{Basis, Fit, dot, fit};
 use crate::search::{Atom, FOLDS, Hypothesis, Search};
-use crate::sensor::is_transport;
+use crate::sensor::Acts;
 
 /// The joint fit of a hypothesis, linear in its shapes around where they are.
 #[derive(Debug, Clone)]
@@ -35,7 +35,7 @@ impl Joint {
         let mut set = Vec::new();
         for (i, atom) in found.atoms.iter().enumerate() {
             let gain = found.offset(stage, i);
-            if is_transport(atom.term.kind.id())
+            if atom.term.kind.acts(Acts::InTime)
                 && let Some(slope) = slope(search, found, i, 0)
             {
                 columns[gain] = slope;

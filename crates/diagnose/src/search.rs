@@ -3,6 +3,7 @@
 
 use crate::flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::linear::{Basis, Fit, dot, fit};
+use crate::sensor::Acts;
 use crate::term::{Scales, Stage, Term, TermKind, gather, is_wave};
 use friction::effects::MAX_SHAPE;
 use rayon::prelude::*;
@@ -199,8 +200,8 @@ pub fn is_shown(atom: &Atom) -> bool {
 pub(crate) fn needed_reliability(kind: TermKind) -> f64 {
     match kind {
         // Their noise is the acceleration's own noise seen again: it correlates with the residual.
-        TermKind::Sensor(s) if s.id == "encoder_eccentricity" => 0.99,
-        TermKind::Sensor(s) if ["compliance", "backlash"].contains(&s.id) => 0.9,
+        _ if kind.acts(Acts::OnMotion) => 0.99,
+        _ if kind.acts(Acts::Behind) => 0.9,
         _ => 0.7,
     }
 }
@@ -495,10 +496,7 @@ impl Search<'_> {
             .map(|i| spread(&self.contribution(child, i, &nowhere), &self.stage.blocks))
             .reduce(f64::min);
         let worth = worth.max(self.systematic * share.unwrap_or(1.0));
-        let smooths = child
-            .atoms
-            .iter()
-            .any(|a| !parent.has(a.term.kind) && ["compliance", "backlash"].contains(&a.term.kind.id()));
+        let smooths = child.atoms.iter().any(|a| !parent.has(a.term.kind) && a.term.kind.acts(Acts::Behind));
         gain > worth
             && (!smooths
                 || crate::transport::saved(self, &parent.atoms, &child.atoms).is_some_and(|s| s > worth))

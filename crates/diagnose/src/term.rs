@@ -1,7 +1,7 @@
 //! A hypothesis about what was left out: an effect of the catalogue with a shape, as columns of the regression.
 
 use crate::linear::Blocks;
-use crate::sensor::Sensor;
+use crate::sensor::{Acts, Sensor};
 use crate::signal::{quantile, rms};
 use crate::track::Track;
 use friction::Motion;
@@ -65,8 +65,15 @@ impl TermKind {
 
     /// Whether its columns are made of the force that acts: what moves, bends or follows the whole of it.
     pub fn needs_force(&self) -> bool {
-        ["time_skew", "actuator_lag", "torque_ripple", "force_gain_asymmetry", "saturation"]
-            .contains(&self.id())
+        match self {
+            Self::Sensor(sensor) => matches!(sensor.acts, Acts::InTime | Acts::OnForce),
+            Self::Force(kind) => kind.id() == "torque_ripple",
+        }
+    }
+
+    /// Whether it is a sensor or drive effect that acts there.
+    pub fn acts(&self, there: Acts) -> bool {
+        matches!(self, Self::Sensor(sensor) if sensor.acts == there)
     }
 
     /// Whether another force that acts changes a column of it.

@@ -8,7 +8,7 @@
 
 use crate::linear::dot;
 use crate::search::{Atom, Hypothesis, Search};
-use crate::sensor::is_transport;
+use crate::sensor::Acts;
 use crate::term::{Term, TermKind};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ fn replace(
     best: impl Fn(&Term, &Corrected) -> Option<Term>,
 ) -> Hypothesis {
     for i in 0..found.atoms.len() {
-        if !is_transport(found.atoms[i].term.kind.id()) {
+        if !found.atoms[i].term.kind.acts(Acts::InTime) {
             continue;
         }
         let mut others = found.atoms.clone();
@@ -107,7 +107,7 @@ pub fn saved(search: &Search, parent: &[Atom], child: &[Atom]) -> Option<f64> {
 fn best(search: &Search, corrected: &Corrected) -> Option<Term> {
     let kinds = TermKind::all()
         .into_iter()
-        .filter(|k| is_transport(k.id()) && search.catalogue.atoms.iter().any(|a| a.term.kind == *k));
+        .filter(|k| k.acts(Acts::InTime) && search.catalogue.atoms.iter().any(|a| a.term.kind == *k));
     let mut terms = Vec::new();
     for kind in kinds {
         let (low, high, _) = search.scales.range(&kind.shape()[0]);

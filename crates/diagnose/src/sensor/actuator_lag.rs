@@ -4,7 +4,7 @@
 //!
 //! The command runs ahead of the force by exactly T·dF/dt; what a channel shows is the force behind the exact lag.
 
-use super::{Sensor, true_force};
+use super::{Acts, Sensor, true_force};
 use crate::signal::derivative;
 use crate::track::Track;
 use friction::effects::Parameter;
@@ -13,6 +13,7 @@ use identify::dynamics::first_order_lag;
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
     id: "actuator_lag",
+    acts: Acts::InTime,
     says: "a first-order lag lies between the recorded force and the one that acts",
     equation: "F = F_model + T·dF_model/dt of a recorded command, F = F_model/(T·s + 1) of a channel, T = lag",
     gains: &[

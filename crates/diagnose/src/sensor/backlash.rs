@@ -5,7 +5,7 @@
 //! the play ends (a plastic blow). Where the play ends depends on the position alone, so its noise is kept out first: a
 //! load that rests against one side would rattle in it.
 
-use super::Sensor;
+use super::{Acts, Sensor};
 use crate::signal::LowPass;
 use crate::track::Track;
 use friction::effects::Parameter;
@@ -14,6 +14,7 @@ use identify::dynamics::load_in_play;
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
     id: "backlash",
+    acts: Acts::Behind,
     says: "a play between drive and load: for a stretch the load is out of contact",
     equation: "F = m·a + m_load·(a₂ − a), a₂ = 0 within the play, v₂ = v at its ends",
     gains: &[Parameter {

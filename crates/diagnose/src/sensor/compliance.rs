@@ -5,7 +5,7 @@
 //! series, a fourth derivative of the position: near the resonance the series is wrong, and above it the load smooths
 //! the encoder's noise, which the series differentiates. The encoder is taken to sit on the drive.
 
-use super::Sensor;
+use super::{Acts, Sensor};
 use crate::track::Track;
 use friction::effects::Parameter;
 use identify::dynamics::load_on_spring;
@@ -13,6 +13,7 @@ use identify::dynamics::load_on_spring;
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
     id: "compliance",
+    acts: Acts::Behind,
     says: "drive and load are two masses with a spring between them",
     equation: "F = m·a + m_load·(a₂ − a), a₂ = (2ζωs + ω²)/(s² + 2ζωs + ω²)·a, ω = 2π·frequency",
     gains: &[Parameter { name: "mass", unit: "kg", min: 0.0, max: 1e6, what: "mass of the load" }],

@@ -4,7 +4,7 @@
 //! Here it is sought in the force, for recordings that have a position alone. Where an accelerometer or a tachometer does not
 //! go through the encoder, comparing the channels says more ([`crate::witness`]).
 
-use super::Sensor;
+use super::{Acts, Sensor};
 use crate::signal::derivative;
 use crate::track::Track;
 use friction::effects::Parameter;
@@ -12,6 +12,7 @@ use friction::effects::Parameter;
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
     id: "encoder_eccentricity",
+    acts: Acts::OnMotion,
     says: "the encoder disc is eccentric, so the position carries a wave",
     equation: "x = x_true + ε·cos(2πx/λ + φ), F gains m·d²/dt² of it",
     gains: &[

@@ -14,11 +14,26 @@ mod saturation;
 mod time_skew;
 mod velocity_lag;
 
+/// Where a sensor or drive effect acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Acts {
+    /// On what the motion is said to be.
+    OnMotion,
+    /// On what is moved, behind a drive that gives or has play: what it adds follows the acceleration.
+    Behind,
+    /// On the whole force, in time: its gain is 1 and what is sought is a time.
+    InTime,
+    /// On the whole force, in size.
+    OnForce,
+}
+
 /// A sensor or drive effect: its description, and its force per unit gain over a filtered stretch.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensor {
     /// Catalogue id.
     pub id: &'static str,
+    /// Where it acts.
+    pub acts: Acts,
     /// One plain sentence.
     pub says: &'static str,
     /// The equation.
@@ -51,11 +66,6 @@ pub const ALL: &[Sensor] = &[
 
 /// Share of a transport effect above which it is another time constant that is meant.
 pub(crate) const MOST_SHARE: f64 = 1.3;
-
-/// Effects that move the whole force in time: their gain is 1 and what is sought is a time.
-pub(crate) fn is_transport(id: &str) -> bool {
-    ["time_skew", "actuator_lag"].contains(&id)
-}
 
 /// The force that acts, at every sample; `measured` is the measured one put back in time. Where the body slides it is the
 /// model's, because the measured one's noise would stand on both sides of the equation, but for what is slow: there the

@@ -1,13 +1,14 @@
 //! A limit of the force below what was commanded: only at peak force. Confused with a cubic in F (0.93); an
 //! amplitude ladder tells them apart.
 
-use super::Sensor;
+use super::{Acts, Sensor};
 use crate::track::Track;
 use friction::effects::Parameter;
 
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
     id: "saturation",
+    acts: Acts::OnForce,
     says: "the force stops growing at a limit that the recording does not show",
     equation: "F = F_model − g·(|F_model| − F_max)₊·sgn F",
     gains: &[Parameter {

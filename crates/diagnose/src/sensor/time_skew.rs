@@ -5,13 +5,14 @@
 //! The shift is exact, not its first term −τ·dF/dt: at a third of a period that is wrong by half, and the phase is what
 //! tells a delay from a lag.
 
-use super::{Sensor, delayed, true_force};
+use super::{Acts, Sensor, delayed, true_force};
 use crate::track::Track;
 use friction::effects::Parameter;
 
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
     id: "time_skew",
+    acts: Acts::InTime,
     says: "the force was recorded at another moment than the position",
     equation: "F(t) = F_model(t ∓ τ), τ = tau",
     gains: &[

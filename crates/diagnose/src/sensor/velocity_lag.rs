@@ -1,13 +1,14 @@
 //! A velocity estimator's lag: a spike of twice the Coulomb force at every reversal, as long as the lag. On one
 //! sine the same as `frictional_lag`; told apart by moves with dwells, or by recomputing v from x.
 
-use super::Sensor;
+use super::{Acts, Sensor};
 use crate::track::Track;
 use friction::effects::Parameter;
 
 /// Catalogue entry.
 pub const SENSOR: Sensor = Sensor {
     id: "velocity_lag",
+    acts: Acts::OnMotion,
     says: "the velocity channel lags, so friction seems to reverse late",
     equation: "s·C with s = sgn v(t − T) instead of sgn v(t)",
     gains: &[Parameter {
