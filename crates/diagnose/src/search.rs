@@ -330,10 +330,11 @@ impl Search<'_> {
     /// the speed, and beside a free viscous part that is friction which falls.
     fn sublinear(&self, best: Hypothesis) -> Hypothesis {
         let is = |a: &Atom, id: &str| a.term.kind.id() == id;
-        let Some(i) = best.atoms.iter().position(|a| is(a, "sublinear_viscous") && a.term.shape[1] > 1.0)
-        else {
+        let not_sublinear = |a: &Atom| is(a, "sublinear_viscous") && a.term.shape[1] > 1.0;
+        let Some(i) = best.atoms.iter().position(not_sublinear) else { return best };
+        if best.atoms.iter().any(|a| is(a, "stribeck")) {
             return best;
-        };
+        }
         let mut others = best.atoms.clone();
         others.remove(i);
         let without = Hypothesis::new(self.stage, others);
@@ -620,4 +621,24 @@ fn kinds_of(h: &Hypothesis) -> Vec<&'static str> {
     let mut kinds: Vec<&str> = h.atoms.iter().map(|a| a.term.kind.id()).collect();
     kinds.sort_unstable();
     kinds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::Blocks;
+
+    #[test]
+    fn what_lasts_milliseconds_after_a_reversal_was_too_little_on_the_average_of_all_samples() {
+        let rows = 1000;
+        let blocks = Blocks { edges: (0..=10).map(|k| 100 * k).collect(), ..Blocks::default() };
+        let force = |of: &dyn Fn(usize) -> f64| spread(&(0..rows).map(of).collect::<Vec<_>>(), &blocks);
+        assert_eq!(force(&|i| (0.05 * i as f64).sin()), 1.0);
+        // two rows of every fifty
+        let pulses = force(&|i| f64::from(u8::from(i % 50 < 2)));
+        assert!((pulses - 3.0 * 0.04).abs() < 1e-9, "{pulses}");
+        // one block only, and there everywhere: a share of all rows as small, and no less to be asked of it
+        assert_eq!(force(&|i| f64::from(u8::from(i < 100))), 1.0);
+        assert_eq!(force(&|_| 0.0), 1.0);
+    }
 }

@@ -88,6 +88,29 @@ fn another_gain_for_one_direction_spoiled_the_baseline_and_the_judged_record() {
     assert!(judged.rms_after < 0.7 * judged.rms_before);
 }
 
+/// The force that acts swung between two answers, and periodic friction was named for the difference.
+#[test]
+fn another_gain_beside_cogging_was_answered_with_periodic_friction_as_well() {
+    for seed in [320, 321] {
+        let hidden = Hidden::Cogging { size: 0.15, wavelength: 0.0035 };
+        let case = Case { hidden: [hidden, Hidden::Nothing], seed, ..Case::default() };
+        let mut recording = record(&case).0;
+        recording.force.iter_mut().for_each(|f| *f += 0.88 * f.max(0.0));
+        let d = diagnose(&[recording], &[], &Options::default(), &|_, _| ()).expect("a diagnosis");
+        let mut named: Vec<&str> = d.missing.iter().map(|m| m.effect.as_str()).collect();
+        named.sort_unstable();
+        let of = |effect: &str, name: &str| {
+            let found = d.missing.iter().find(|m| m.effect == effect);
+            found.and_then(|m| m.parameters.get(name)).map_or(f64::NAN, |q| q.value)
+        };
+        let (gain, wave) =
+            (of("force_gain_asymmetry", "gain"), of("cogging", "cosine_1").hypot(of("cogging", "sine_1")));
+        println!("{named:?}: gain {gain:.3}, wave {wave:.3} N");
+        assert_eq!(named, ["cogging", "force_gain_asymmetry"]);
+        assert!((gain - 0.88).abs() < 0.05 && (wave / 0.15 - 1.0).abs() < 0.1);
+    }
+}
+
 /// With an accelerometer in the recording the force no longer shows the wave as it was sought there: it was answered as
 /// torque ripple, or not at all.
 #[test]
