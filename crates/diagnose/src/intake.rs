@@ -4,7 +4,7 @@ use crate::agreement::{Column, compare};
 use crate::channel::Channel;
 use crate::drift::Drift;
 use crate::linear::{Basis, dot};
-use crate::options::Error;
+use crate::options::{Error, LARGEST};
 use crate::sensor::delayed;
 use crate::signal::{LowPass, derivative, local_noise};
 use crate::track::{Channels, differentiated, dominant_frequency};
@@ -229,6 +229,7 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         intake.mend(&mut stretches);
         for mut stretch in stretches {
             keep_trustworthy(&mut stretch);
+            check_sizes(&stretch, &recording.name)?;
             intake.stretches.push(stretch);
         }
     }
@@ -249,6 +250,23 @@ fn check_lengths(r: &Recording) -> Result<(), Error> {
             && series.len() != expected
         {
             return Err(Error::Length { name: r.name.clone(), channel, found: series.len(), expected });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what would overflow: no outlier, as those are gone, but a whole channel of such numbers.
+fn check_sizes(c: &Channels, name: &str) -> Result<(), Error> {
+    let optional =
+        [("velocity", &c.velocity), ("acceleration", &c.acceleration), ("normal force", &c.normal)];
+    let required = [("position", Some(&c.position)), ("force", Some(&c.force))];
+    for (channel, series) in required.into_iter().chain(optional.map(|(n, s)| (n, s.as_ref()))) {
+        let large = |x: &f64| !(x.abs() <= LARGEST);
+        if let Some(series) = series
+            && let Some(i) = series.iter().position(large)
+        {
+            let at = c.start + i as f64 * c.dt;
+            return Err(Error::TooLarge { name: name.into(), channel, at, value: series[i] });
         }
     }
     Ok(())

@@ -43,6 +43,9 @@ impl Default for Options {
     }
 }
 
+/// Largest number of a recording, in its unit: a fourth power of it is a number still.
+pub(crate) const LARGEST: f64 = 1e50;
+
 /// Why there is no diagnosis at all. A recording that cannot answer is not an error but the verdict
 /// `not_testable`.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +75,17 @@ pub enum Error {
         /// The length of its time.
         expected: usize,
     },
+    /// A number whose square, or that of its product with others, is none any more.
+    TooLarge {
+        /// Name of the recording.
+        name: String,
+        /// Channel.
+        channel: &'static str,
+        /// When, s.
+        at: f64,
+        /// The value.
+        value: f64,
+    },
     /// An option outside what is accepted.
     Option {
         /// Name.
@@ -97,6 +111,10 @@ impl fmt::Display for Error {
             Self::Length { name, channel, found, expected } => {
                 write!(f, "{name}: {channel} has {found} samples, time has {expected}: they must agree")
             }
+            Self::TooLarge { name, channel, at, value } => write!(
+                f,
+                "{name}: {channel} at {at} s is {value:.3e}: accepted up to {LARGEST:e} in size; is the unit right?"
+            ),
             Self::Option { name, value, accepted } => write!(f, "{name} = {value}: accepted {accepted}"),
         }
     }

@@ -228,7 +228,8 @@ impl Track {
                 continue;
             }
             let start = i;
-            while i < n && self.v[i].abs() < guard {
+            // not `< guard`: what is no number would be neither, and the loop would not end
+            while i < n && !(self.v[i].abs() >= guard) {
                 i += 1;
             }
             let after = if i < n { self.v[i].signum() } else { direction };

@@ -607,3 +607,25 @@ fn broken_recordings_are_refused_or_warned_of() {
 fn two_thousand_broken_recordings() {
     all(2000);
 }
+
+/// Squares overflowed, their difference was no number, and the search for the next direction never ended.
+#[test]
+fn a_number_too_large_to_square_filled_the_memory() {
+    let said = |factor: f64| {
+        let mut r = Recording { name: "broken.csv".into(), ..sound().remove(0) };
+        r.velocity = None;
+        r.position.iter_mut().for_each(|x| *x *= factor);
+        diagnose(&[r], &[], &options(), &|_, _| ()).map(|d| d.summary).map_err(|e| e.to_string())
+    };
+    for factor in [1e60, 1e160, 1e300] {
+        let refused = said(factor).expect_err("too large");
+        assert!(
+            refused.contains("broken.csv: position at 0 s is") && refused.contains("up to 1e50"),
+            "{refused}"
+        );
+    }
+    // not a sensible number, but one: an answer or a refusal, and an end
+    for factor in [1e-200, 1e-60, 1e30] {
+        println!("{factor:e}: {:?}", said(factor));
+    }
+}

@@ -80,7 +80,7 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn from_csv(name: &str, text: &[u8], options: &ReadOptions) -> Result<Self, Error> {
-        csv_io::read(name, text, options.map.as_ref())
+        Ok(Self { name: name.into(), ..csv_io::read(name, text, options.map.as_ref())? })
     }
 
     /// Writes CSV: [`Recording::read`] gives back equal columns, bit for bit.
