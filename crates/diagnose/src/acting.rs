@@ -98,11 +98,11 @@ pub fn settle(search: &Search, found: &Hypothesis) -> Option<(Stage, Acting)> {
         for (old, new) in acting.baseline.iter_mut().zip(&next.baseline) {
             *old = 0.5 * (*old + new);
         }
-        let before = std::mem::replace(&mut acting.effects, next.effects);
-        for ((_, new, _), (_, old, _)) in acting.effects.iter_mut().zip(&before) {
-            for (new, old) in new.iter_mut().zip(old) {
-                *new = 0.5 * (*old + *new);
+        for ((_, gains, shape), (_, new, at)) in acting.effects.iter_mut().zip(next.effects) {
+            for (old, new) in gains.iter_mut().zip(new) {
+                *old = 0.5 * (*old + new);
             }
+            *shape = at;
         }
     }
     stage.model_force(&acting);

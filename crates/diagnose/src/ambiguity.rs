@@ -4,7 +4,7 @@ use crate::design::{elsewhere, movable};
 use crate::flips::block_scores;
 use crate::linear::{Basis, dot};
 use crate::result::{Blind, Rejected};
-use crate::search::{AS_GOOD, Atom, COLLINEAR, CONCEALED, Hypothesis, ROUGH, Search, is_shown};
+use crate::search::{Atom, COLLINEAR, CONCEALED, Hypothesis, ROUGH, Search, is_shown};
 use crate::term::{Stage, TermKind};
 
 /// What makes the moments around reversals that are set aside shorter.
@@ -66,10 +66,7 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> 
         if Basis::of(&rest).captured(&contribution) < COLLINEAR * COLLINEAR * size {
             continue;
         }
-        let interval = search.interval(&rival, found);
-        let lost = rival.fit.heldout_sum() - found.fit.heldout_sum();
-        let gained = without.as_ref().map_or(0.0, |w| w.fit.heldout_sum() - found.fit.heldout_sum());
-        if interval[0] <= 0.0 || lost < AS_GOOD * gained {
+        if search.is_as_good(&rival, found, without.as_ref()) {
             out.push(Rival { id: kind.id(), fit: Some(rival) });
         }
     }
@@ -80,10 +77,11 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> 
 }
 
 /// Effects this motion, or its sensors, cannot show, each with what would, where that is no motion, or with the effect
-/// at a middling shape, where it may be one.
+/// at a middling shape, where it may be one. `whole` is the stage with nothing set aside.
 pub fn blind(
     search: &Search,
     found: &Hypothesis,
+    whole: &Stage,
     unavailable: &[(&'static str, String)],
 ) -> Vec<(Blind, Option<Atom>)> {
     let stage = search.stage;
@@ -99,7 +97,6 @@ pub fn blind(
         because,
         experiment: elsewhere(effect, unavailable).unwrap_or_default().into(),
     };
-    let whole = stage.unmasked();
     let basis = Basis::of(&Hypothesis::columns(stage, &found.atoms));
     let mut out: Vec<(Blind, Option<Atom>)> =
         NEVER.iter().map(|(effect, _, because)| (blind(effect, (*because).into(), false), None)).collect();
@@ -118,7 +115,7 @@ pub fn blind(
         let here = middle.term.shape;
         let middling = || atoms.iter().filter(|a| a.term.shape == here);
         if atoms.iter().any(|a| is_shown(a)) {
-            out.extend(over_before_seen(search, found, &whole, &basis, middling()).map(|b| (b, None)));
+            out.extend(over_before_seen(search, found, whole, &basis, middling()).map(|b| (b, None)));
             continue;
         }
         let visible = atoms.iter().map(|a| a.visible).fold(0.0, f64::max);
@@ -195,10 +192,16 @@ fn over_before_seen<'a>(
 }
 
 /// Effects that were tested beside everything that was found and are not there, with a 95 % upper bound of
-/// their root-mean-square force over all samples, in use or not. `besides`: effects that are not ruled out.
-pub fn rejected(search: &Search, found: &Hypothesis, besides: &[String], unit: &str) -> Vec<Rejected> {
+/// their root-mean-square force over all samples, in use or not: `whole` is the stage with nothing
+/// set aside. `besides`: effects that are not ruled out.
+pub fn rejected(
+    search: &Search,
+    found: &Hypothesis,
+    whole: &Stage,
+    besides: &[String],
+    unit: &str,
+) -> Vec<Rejected> {
     let stage = search.stage;
-    let whole = stage.unmasked();
     let basis = Basis::of(&Hypothesis::columns(stage, &found.atoms));
     let rows: f64 = stage.block_weight().iter().sum();
     let mut out = Vec::new();

@@ -302,7 +302,8 @@ impl Run<'_> {
         let frequency = self.intake.stretches.iter().map(dominant_frequency).fold(0.0, f64::max);
         let rivals: Vec<Vec<Rival>> =
             (0..found.atoms.len()).map(|i| equivalents(&search, &found, i)).collect();
-        let blind = blind(&search, &found, &unavailable);
+        let whole = stage.unmasked();
+        let blind = blind(&search, &found, &whole, &unavailable);
         let rival = rivals.iter().flatten().map(|r| r.id.to_string());
         let not_ruled_out: Vec<String> = rival.chain(blind.iter().map(|(b, _)| b.effect.clone())).collect();
         let mut missing: Vec<Missing> = p
@@ -343,7 +344,7 @@ impl Run<'_> {
         let explained_share =
             if excess(before) > 0.0 { (1.0 - excess(after) / excess(before)).clamp(0.0, 1.0) } else { 0.0 };
         let run = free_run::run(stage, &plant, frequency);
-        let rejected = rejected(&search, &found, &not_ruled_out, unit);
+        let rejected = rejected(&search, &found, &whole, &not_ruled_out, unit);
         // what is smaller is not named even where it is seen
         let bound = detectable(&rejected).max(to_rms(search.systematic));
         let (time, (position, velocity)) = (row_times(stage), row_motion(stage));

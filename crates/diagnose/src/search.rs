@@ -28,7 +28,7 @@ const MATERIAL: f64 = 0.01;
 const MOST_OF_REST: f64 = 0.5;
 
 /// Share of what a term gains that another may lose in its place and still count as good.
-pub const AS_GOOD: f64 = 0.03;
+const AS_GOOD: f64 = 0.03;
 
 /// Steps of refinement while hypotheses compete, and for the one that is left.
 pub const ROUGH: usize = 6;
@@ -198,11 +198,13 @@ pub fn is_shown(atom: &Atom) -> bool {
 }
 
 pub(crate) fn needed_reliability(kind: TermKind) -> f64 {
-    match kind {
-        // Their noise is the acceleration's own noise seen again: it correlates with the residual.
-        _ if kind.acts(Acts::OnMotion) => 0.99,
-        _ if kind.acts(Acts::Behind) => 0.9,
-        _ => 0.7,
+    // The noise of these is the acceleration's own noise seen again: it correlates with the residual.
+    if kind.acts(Acts::OnMotion) {
+        0.99
+    } else if kind.acts(Acts::Behind) {
+        0.9
+    } else {
+        0.7
     }
 }
 
@@ -347,10 +349,14 @@ impl Search<'_> {
         let Some(rival) = rival.map(|h| self.refine(h, ROUGH)).filter(|h| self.physical(h)) else {
             return best;
         };
-        let gained = without.map_or(0.0, |w| w.fit.heldout_sum() - best.fit.heldout_sum());
-        let lost = rival.fit.heldout_sum() - best.fit.heldout_sum();
-        let as_good = self.interval(&rival, &best)[0] <= 0.0 || lost < AS_GOOD * gained;
-        if as_good { rival } else { best }
+        if self.is_as_good(&rival, &best, without.as_ref()) { rival } else { best }
+    }
+
+    /// Whether `rival`, with another term in the place of one of `best`, explains what it does; `without`: neither's.
+    pub fn is_as_good(&self, rival: &Hypothesis, best: &Hypothesis, without: Option<&Hypothesis>) -> bool {
+        let beyond_best = |h: &Hypothesis| h.fit.heldout_sum() - best.fit.heldout_sum();
+        self.interval(rival, best)[0] <= 0.0
+            || beyond_best(rival) < AS_GOOD * without.map_or(0.0, beyond_best)
     }
 
     /// The simplest hypothesis with one term in the place of the `group`, where one is as good.
@@ -491,13 +497,12 @@ impl Search<'_> {
         let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
         let above = |sum: f64| sum - self.floor;
         let worth = (MATERIAL * above(start)).min(MOST_OF_REST * above(parent.fit.heldout_sum()));
-        let added = (0..child.atoms.len()).filter(|i| !parent.has(child.atoms[*i].term.kind));
+        let mut added = (0..child.atoms.len()).filter(|i| !parent.has(child.atoms[*i].term.kind));
         let nowhere = Basis::default();
-        let share = added
-            .map(|i| spread(&self.contribution(child, i, &nowhere), &self.stage.blocks))
-            .reduce(f64::min);
-        let worth = worth.max(self.systematic * share.unwrap_or(1.0));
-        let smooths = child.atoms.iter().any(|a| !parent.has(a.term.kind) && a.term.kind.acts(Acts::Behind));
+        let share = |i| spread(&self.contribution(child, i, &nowhere), &self.stage.blocks);
+        let least = added.clone().map(share).reduce(f64::min);
+        let worth = worth.max(self.systematic * least.unwrap_or(1.0));
+        let smooths = added.any(|i| child.atoms[i].term.kind.acts(Acts::Behind));
         gain > worth
             && (!smooths
                 || crate::transport::saved(self, &parent.atoms, &child.atoms).is_some_and(|s| s > worth))
