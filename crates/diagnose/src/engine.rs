@@ -24,6 +24,7 @@ use crate::term::{Scales, Stage, TermKind};
 use crate::track::{Channels, Noise, Track, choose_cutoff, dominant_frequency};
 use crate::validate::Frozen;
 use identify::{FaultKind, Recording, RecordingFault};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Names of the baseline's columns, and their units for a slide and for an axis.
@@ -301,7 +302,7 @@ impl Run<'_> {
         let plant = self.plant(&found);
         let frequency = self.intake.stretches.iter().map(dominant_frequency).fold(0.0, f64::max);
         let rivals: Vec<Vec<Rival>> =
-            (0..found.atoms.len()).map(|i| equivalents(&search, &found, i)).collect();
+            (0..found.atoms.len()).into_par_iter().map(|i| equivalents(&search, &found, i)).collect();
         let whole = stage.unmasked();
         let blind = blind(&search, &found, &whole, &unavailable);
         let rival = rivals.iter().flatten().map(|r| r.id.to_string());

@@ -4,6 +4,7 @@
 use crate::linear::{Blocks, dot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Scores of one direction in every block.
@@ -56,7 +57,7 @@ pub fn family(observed: &[Scores], noise: &[Scores], scale: &[f64], flips: usize
         let of = |(s, d): (&Scores, &f64)| if *d > 0.0 { (dot(s, signs) / d).abs() } else { 0.0 };
         noise.iter().zip(&deviation).map(of).fold(0.0, f64::max)
     };
-    let mut maxima: Vec<f64> = random_signs(flips, blocks, seed).iter().map(largest).collect();
+    let mut maxima: Vec<f64> = random_signs(flips, blocks, seed).par_iter().map(largest).collect();
     maxima.sort_by(f64::total_cmp);
     let p = t
         .iter()

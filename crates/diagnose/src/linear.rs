@@ -1,20 +1,40 @@
 //! Least squares over few columns and many rows: bases, blocked cross-validation, robust deviations.
 
 use nalgebra::{DMatrix, DVector};
+use pulp::Arch;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::borrow::Borrow;
 
-/// Inner product, in eight partial sums: one running sum would have to wait for itself at every term.
+/// Inner product, in eight partial sums: one running sum would have to wait for itself at every term. The same bits on
+/// every processor: the widest registers it has are used, nothing is fused.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
     let ((a, rest_a), (b, rest_b)) = (a[..n].as_chunks::<8>(), b[..n].as_chunks::<8>());
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for ((s, x), y) in sums.iter_mut().zip(a).zip(b) {
-            *s += x * y;
-        }
-    }
+    let sums = Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let mut sums = [0.0; 8];
+            for (a, b) in a.iter().zip(b) {
+                for ((s, x), y) in sums.iter_mut().zip(a).zip(b) {
+                    *s += x * y;
+                }
+            }
+            sums
+        },
+    );
     sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(x, y)| x * y).sum::<f64>()
+}
+
+/// Takes `times` a column from another.
+fn take_off(from: &mut [f64], times: f64, column: &[f64]) {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for (x, q) in from.iter_mut().zip(column) {
+                *x -= times * q;
+            }
+        },
+    );
 }
 
 /// An orthonormal basis of the columns pushed so far.
@@ -55,9 +75,7 @@ impl Basis {
         for _ in 0..3 {
             for q in &self.columns {
                 let along = dot(q, &rest);
-                for (r, q) in rest.iter_mut().zip(q) {
-                    *r -= along * q;
-                }
+                take_off(&mut rest, along, q);
             }
             let left = dot(&rest, &rest);
             if left > 0.01 * size {
@@ -201,9 +219,7 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
     let solution = &cover * &moment;
     let mut residual = y.to_vec();
     for (c, column) in solution.iter().zip(columns) {
-        for (r, x) in residual.iter_mut().zip(column.borrow()) {
-            *r -= c * x;
-        }
+        take_off(&mut residual, *c, column.borrow());
     }
     let deviations = deviations(&normals, &gram, &moment, &solution, &cover);
 

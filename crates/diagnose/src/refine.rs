@@ -15,6 +15,9 @@ use rayon::prelude::*;
 /// standard deviation of a parameter.
 const STILL: f64 = 0.01;
 
+/// Damping of its own above which an axis is held for a step.
+const HELD: f64 = 1e4;
+
 /// One shape parameter that is free.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
@@ -60,6 +63,8 @@ impl Search<'_> {
         let begun = here.squared;
         let still = STILL * self.row_noise();
         let mut damping = 1e-3;
+        // beside it, of the axes of terms that a step took to where they cannot be seen
+        let mut own = vec![0.0_f64; axes.len()];
         for _ in 0..rounds {
             let Some(slopes) = self.slopes(&here, &axes) else { break };
             let p = axes.len();
@@ -67,14 +72,31 @@ impl Search<'_> {
             let moment = DVector::from_fn(p, |i, _| dot(&slopes[i], &here.residual));
             let before = here.squared;
             while damping < 1e5 {
-                let next = step(&normal, &moment, damping).and_then(|s| self.moved(&here, &axes, &s));
-                match next {
-                    Some(next) if next.squared < here.squared && (next.physical || !here.physical) => {
+                let stays = |i: usize, by: f64| {
+                    let value = here.atoms[axes[i].atom].term.shape[axes[i].index];
+                    own[i] > HELD || axes[i].moved(value, by) == value
+                };
+                let damped: Vec<f64> = own.iter().map(|own| damping + own).collect();
+                let Some(step) = step(&normal, &moment, &damped, stays) else {
+                    damping *= 10.0;
+                    continue;
+                };
+                // what does not even promise a gain that counts need not be tried
+                if promised(&normal, &moment, &step) < still {
+                    break;
+                }
+                match self.moved(&here, &axes, &step) {
+                    Err(atom) => {
+                        let of_atom = own.iter_mut().zip(&axes).filter(|(_, axis)| axis.atom == atom);
+                        of_atom.for_each(|(own, _)| *own = (10.0 * *own).max(1.0));
+                    }
+                    Ok(Some(next)) if next.squared < here.squared && (next.physical || !here.physical) => {
                         here = next;
                         damping = (0.1 * damping).max(1e-9);
+                        own.iter_mut().for_each(|own| *own *= 0.1);
                         break;
                     }
-                    _ => damping *= 10.0,
+                    Ok(_) => damping *= 10.0,
                 }
             }
             if before - here.squared < still {
@@ -194,29 +216,87 @@ impl Search<'_> {
         (other.active == atom.active && is_testable(&other)).then_some(other)
     }
 
-    fn moved(&self, here: &Point, axes: &[Axis], step: &DVector<f64>) -> Option<Point> {
-        let atoms: Option<Vec<Atom>> = (0..here.atoms.len())
+    /// What a step leads to, none where the columns have become dependent.
+    ///
+    /// # Errors
+    /// The first atom that cannot be seen there.
+    fn moved(&self, here: &Point, axes: &[Axis], step: &DVector<f64>) -> Result<Option<Point>, usize> {
+        let atoms: Vec<Option<Atom>> = (0..here.atoms.len())
             .into_par_iter()
             .map(|i| {
                 let atom = &here.atoms[i];
                 let shape: Vec<(usize, f64)> = axes
                     .iter()
                     .zip(step.iter())
-                    .filter(|(a, _)| a.atom == i)
+                    .filter(|(a, by)| a.atom == i && **by != 0.0)
                     .map(|(a, by)| (a.index, a.moved(atom.term.shape[a.index], *by)))
                     .collect();
                 if shape.is_empty() { Some(atom.clone()) } else { self.reshaped(atom, &shape) }
             })
             .collect();
-        self.point(atoms?)
+        if let Some(unseen) = atoms.iter().position(Option::is_none) {
+            return Err(unseen);
+        }
+        Ok(self.point(atoms.into_iter().flatten().collect()))
     }
 }
 
-/// A damped step; None where the normal matrix is singular.
-fn step(normal: &DMatrix<f64>, moment: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    let mut damped = normal.clone();
-    for i in 0..damped.nrows() {
-        damped[(i, i)] += damping * normal[(i, i)] + 1e-300;
+/// What a step takes off the squared error if the prediction is as linear in the shapes as its slopes.
+fn promised(normal: &DMatrix<f64>, moment: &DVector<f64>, step: &DVector<f64>) -> f64 {
+    2.0 * step.dot(moment) - step.dot(&(normal * step))
+}
+
+/// A step, each axis with its own damping; None where the normal matrix is singular. An axis that the step would push out
+/// of its range, where it `stays`, is left out and the others are solved for without it.
+fn step(
+    normal: &DMatrix<f64>,
+    moment: &DVector<f64>,
+    damping: &[f64],
+    stays: impl Fn(usize, f64) -> bool,
+) -> Option<DVector<f64>> {
+    let mut free: Vec<usize> = (0..moment.len()).collect();
+    loop {
+        let mut damped = normal.select_rows(&free).select_columns(&free);
+        for (i, axis) in free.iter().enumerate() {
+            damped[(i, i)] += damping[*axis] * damped[(i, i)] + 1e-300;
+        }
+        let step = damped.cholesky()?.solve(&moment.select_rows(&free));
+        let moving: Vec<usize> = free
+            .iter()
+            .zip(step.iter())
+            .filter(|(axis, by)| !stays(**axis, **by))
+            .map(|(axis, _)| *axis)
+            .collect();
+        if moving.len() == free.len() {
+            let mut out = DVector::zeros(moment.len());
+            for (axis, by) in free.iter().zip(step.iter()) {
+                out[*axis] = *by;
+            }
+            return Some(out);
+        }
+        free = moving;
     }
-    Some(damped.cholesky()?.solve(moment))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shape_at_the_end_of_its_range_shortened_the_steps_of_all_others() {
+        let normal = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
+        let moment = DVector::from_column_slice(&[1.0, 0.2]);
+        let free = step(&normal, &moment, &[1e-9; 2], |_, _| false).unwrap();
+        assert!(free[0] > 4.0 && free[1] < -3.0, "{free}");
+        // the first may not grow: the second is solved for alone, and goes the other way
+        let bound = step(&normal, &moment, &[1e-9; 2], |axis, by| axis == 0 && by > 0.0).unwrap();
+        assert!(bound[0] == 0.0 && (bound[1] - 0.2).abs() < 1e-6, "{bound}");
+        assert!((promised(&normal, &moment, &bound) - 0.04).abs() < 1e-6);
+        // nothing may move: nothing is promised
+        let held = step(&normal, &moment, &[1e-9; 2], |_, _| true).unwrap();
+        assert_eq!(promised(&normal, &moment, &held), 0.0);
+        // damped on its own the first hardly moves and leaves the second what it would have alone
+        let alone = step(&normal, &moment, &[1e3, 1e-9], |_, _| false).unwrap();
+        assert!(alone[0].abs() < 1e-2 && (alone[1] - 0.2).abs() < 1e-2, "{alone}");
+    }
 }

@@ -386,7 +386,7 @@ impl Search<'_> {
         let mut simpler: Vec<(usize, f64, &Atom)> = self
             .catalogue
             .testable()
-            .into_iter()
+            .into_par_iter()
             .filter(|a| !best.has(a.term.kind) && size(a) < of_group)
             .map(|a| (size(a), kept(a), a))
             .filter(|(_, kept, _)| *kept >= 0.8 * power)
@@ -553,37 +553,39 @@ impl Search<'_> {
         let residual = &from.fit.residual;
         // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
         // that is tried too short would need more than the whole force.
-        let gains: Vec<(f64, &Atom, Vec<Vec<f64>>)> = self
+        let outside =
+            |atom: &Atom| -> Vec<Vec<f64>> { atom.columns.iter().map(|c| basis.project_out(c)).collect() };
+        let gains: Vec<(f64, &Atom)> = self
             .catalogue
             .testable()
             .into_par_iter()
             .filter(|atom| !from.has(atom.term.kind))
             .map(|atom| {
-                let rest: Vec<Vec<f64>> = atom.columns.iter().map(|c| basis.project_out(c)).collect();
+                let rest = outside(atom);
                 let alone = match &rest[..] {
                     [only] => atom.physical(&[dot(only, residual) / dot(only, only)]),
                     _ => true,
                 };
-                let captured = if alone { Basis::of(&rest).captured(residual) } else { 0.0 };
-                (captured, atom, rest)
+                (if alone { Basis::of(&rest).captured(residual) } else { 0.0 }, atom)
             })
             .collect();
-        let mut ranked: Vec<(f64, &Atom, Vec<Vec<f64>>)> = Vec::new();
+        let mut ranked: Vec<(f64, &Atom)> = Vec::new();
         for entry in gains {
             let term = entry.1.term;
             let same = |other: &Atom| other.term.kind == term.kind && other.term.variant == term.variant;
-            match ranked.iter_mut().find(|(_, a, _)| same(a)) {
+            match ranked.iter_mut().find(|(_, a)| same(a)) {
                 Some(best) if best.0 < entry.0 => *best = entry,
                 Some(_) => {}
                 None => ranked.push(entry),
             }
         }
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut trials: Vec<Vec<Atom>> = ranked.iter().take(14).map(|(_, a, _)| vec![(*a).clone()]).collect();
+        let mut trials: Vec<Vec<Atom>> = ranked.iter().take(14).map(|(_, a)| vec![(*a).clone()]).collect();
         if from.atoms.len() + 2 <= self.max_terms {
-            let mut pairs = Vec::new();
-            for (i, (alone_a, a, rest_a)) in ranked.iter().enumerate().take(24) {
-                for (alone_b, b, rest_b) in ranked.iter().skip(i + 1).take(24) {
+            let each: Vec<_> = ranked.par_iter().map(|(alone, a)| (*alone, *a, outside(a))).collect();
+            let with = |(i, (alone_a, a, rest_a)): (usize, &(f64, &Atom, Vec<Vec<f64>>))| {
+                let mut pairs = Vec::new();
+                for (alone_b, b, rest_b) in each.iter().skip(i + 1).take(24) {
                     if a.term.kind == b.term.kind {
                         continue;
                     }
@@ -593,7 +595,9 @@ impl Search<'_> {
                         pairs.push((gain, vec![(*a).clone(), (*b).clone()]));
                     }
                 }
-            }
+                pairs
+            };
+            let mut pairs: Vec<_> = each.par_iter().take(24).enumerate().flat_map_iter(with).collect();
             pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
             trials.extend(pairs.into_iter().take(8).map(|(_, p)| p));
         }

@@ -389,16 +389,26 @@ pub fn choose_cutoff(stretches: &[Channels]) -> f64 {
     cutoff.max(lowest).min(ceiling)
 }
 
+/// Longest average over which a position is looked at as a motion, s, unless its noise asks for a longer one.
+const COARSE: f64 = 0.05;
+
 /// Frequency of a sine with the same ratio of velocity to position, Hz.
 pub fn dominant_frequency(channels: &Channels) -> f64 {
-    let n = channels.position.len();
-    // A coarse derivative: over a hundredth of the record at most, so that noise does not count as motion.
-    let step = (n / 400).max(1);
-    let coarse: Vec<f64> =
-        channels.position.chunks(step).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
-    let velocity = derivative(&coarse, step as f64 * channels.dt);
-    let size = deviation(&coarse);
-    if size > 0.0 { rms(&velocity) / (2.0 * PI * size) } else { 0.0 }
+    let (n, dt) = (channels.position.len(), channels.dt);
+    let noise = local_noise(&channels.position);
+    let coarse = |step: usize| -> Vec<f64> {
+        channels.position.chunks(step).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect()
+    };
+    let speed = |step: usize| rms(&derivative(&coarse(step), step as f64 * dt));
+    let of_noise = |step: usize| noise / ((2 * step) as f64).sqrt() / (step as f64 * dt);
+    // A coarse derivative, so that noise does not count as motion, but not over whole strokes of a long recording.
+    let coarsest = (n / 400).max(1);
+    let mut step = ((COARSE / dt) as usize).clamp(1, coarsest);
+    while 2 * step <= coarsest && of_noise(step) > 0.1 * speed(step) {
+        step *= 2;
+    }
+    let size = deviation(&coarse(step));
+    if size > 0.0 { speed(step) / (2.0 * PI * size) } else { 0.0 }
 }
 
 /// Mean over `half` samples to either side, fewer at the ends.
@@ -432,4 +442,22 @@ fn rough_mass(channels: &Channels, cutoff: f64) -> f64 {
     let (a, f) = (basis.project_out(&a), basis.project_out(&f));
     let power = crate::linear::dot(&a, &a);
     if power > 0.0 { (crate::linear::dot(&a, &f) / power).abs() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_recording_was_averaged_over_whole_strokes() {
+        for (samples, hz) in [(16_000, 0.8), (1_000_000, 0.8), (1_000_000, 0.002)] {
+            let noise = |i: usize| 1e-6 * ((i * 7_919 % 1_009) as f64 / 1_009.0 - 0.5);
+            let at = |i: usize| 8e-3 * (2.0 * PI * hz * i as f64 * 1e-3).sin() + noise(i);
+            let channels =
+                Channels { dt: 1e-3, position: (0..samples).map(at).collect(), ..Channels::default() };
+            let found = dominant_frequency(&channels);
+            println!("{samples} samples at {hz} Hz: {found:.4} Hz");
+            assert!((found / hz - 1.0).abs() < 0.05, "{found}");
+        }
+    }
 }
