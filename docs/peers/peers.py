@@ -86,9 +86,9 @@ def cases(data):
         col = lambda k: np.array([s[k] for s in e], float)
         duty = np.clip(0.166 * log["kp"] * (col("goal_position") - col("position")), -0.97, 0.97)
         tq = log["vin"] * duty * col("torque_enable")
-        pieces.append((col("timestamp"), col("position"), tq))
         if "lift" in file.name:
             continue  # most of it is with the torque off: without the winding's back-EMF it is another machine
+        pieces.append((col("timestamp"), col("position"), tq))
         judged = "square" in file.name
         train.append(np.full(len(e), not judged))
         judge.append(np.full(len(e), judged))

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod audit;
+mod bridge;
 mod calibrate;
 mod columns;
 mod csv_io;

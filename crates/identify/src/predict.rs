@@ -1,6 +1,7 @@
 //! The force a model predicts from a motion alone: the measured force is not looked at, so a prediction of a recording
 //! the model has not seen is a fair judge of it.
 
+use crate::bridge::{Bridged, bridged};
 use crate::model::Model;
 use crate::sensor_effect::delayed;
 use crate::{Error, Preprocess, Recording, Signals, prepare};
@@ -29,7 +30,8 @@ pub(crate) struct Kinematics<'a> {
 
 impl Model {
     /// Predicts the force at every sample of a recording, N or N·m, at the recording's own times. Position, velocity and
-    /// acceleration are looked at, the force is not.
+    /// acceleration are looked at, the force is not. Gaps of at most four samples are closed; NaN where the velocity is
+    /// not known, in longer gaps and in stretches between them that are too short to be filtered.
     ///
     /// # Errors
     /// A model that is not valid, a slide's model for an axis or the other way round, or a recording of which
@@ -47,8 +49,10 @@ impl Model {
                     .to_lowercase(),
             });
         }
-        let signals = prepare(recording, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
-        Ok(self.predict_signals(&signals))
+        let Bridged { motion, places } = bridged(recording)?;
+        let signals = prepare(&motion, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
+        let (force, moves) = (self.predict_signals(&signals), signals.are_in_stretches());
+        Ok(places.into_iter().map(|at| if moves[at] { force[at] } else { f64::NAN }).collect())
     }
 
     /// Predicts the force at every sample of prepared signals, N or N·m.

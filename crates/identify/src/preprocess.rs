@@ -95,6 +95,15 @@ impl Signals {
         self.time.len()
     }
 
+    /// For every sample, whether its velocity and acceleration are known.
+    pub(crate) fn are_in_stretches(&self) -> Vec<bool> {
+        let mut out = vec![false; self.len()];
+        for stretch in &self.stretches {
+            out[stretch.range.clone()].fill(true);
+        }
+        out
+    }
+
     /// No samples at all; [`prepare`] never returns that.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -174,6 +174,47 @@ fn moved(n: usize) -> Recording {
 }
 
 #[test]
+fn after_a_lost_sample_the_body_was_predicted_to_be_at_rest() {
+    let whole = moved(3000);
+    let truth = rubber().predict(&whole).unwrap();
+    // one sample of forty lost, now and then three: no stretch between them is long enough to be filtered; and a long gap
+    let keep = |i: usize| i % 40 != 7 && !(i % 400 > 7 && i % 400 < 10) && !(2000..2050).contains(&i);
+    let kept: Vec<usize> = (0..3000).filter(|i| keep(*i)).collect();
+    let pick = |column: &Vec<f64>| kept.iter().map(|i| column[*i]).collect::<Vec<f64>>();
+    let r = Recording {
+        time: pick(&whole.time),
+        position: pick(&whole.position),
+        force: pick(&whole.force),
+        ..Recording::default()
+    };
+    let predicted = rubber().predict(&r).unwrap();
+    let velocity = whole.velocity.unwrap();
+    let mut worst = 0.0f64;
+    for (i, p) in kept.iter().zip(&predicted).filter(|(i, _)| (100..1950).contains(*i)) {
+        if velocity[*i].abs() > 0.02 {
+            worst = worst.max((p - truth[*i]).abs());
+        }
+    }
+    println!("with lost samples within {worst:.1e} N of the prediction without");
+    assert!(worst < 0.02, "{worst}");
+    // between two gaps too long to be closed the velocity is not known, and nothing is made up
+    let piece =
+        |from: usize, to: usize| kept.iter().filter(|i| (from..to).contains(*i)).copied().collect::<Vec<_>>();
+    let short: Vec<usize> = [piece(0, 1950), piece(1960, 1990), piece(2050, 3000)].concat();
+    let pick = |column: &Vec<f64>| short.iter().map(|i| column[*i]).collect::<Vec<f64>>();
+    let r = Recording {
+        time: pick(&whole.time),
+        position: pick(&whole.position),
+        force: pick(&whole.force),
+        ..Recording::default()
+    };
+    let predicted = rubber().predict(&r).unwrap();
+    for (i, p) in short.iter().zip(&predicted) {
+        assert_eq!(p.is_nan(), (1960..1990).contains(i), "sample {i}: {p}");
+    }
+}
+
+#[test]
 fn the_prediction_is_the_law_on_the_motion() {
     let r = moved(3000);
     let mut model = rubber();

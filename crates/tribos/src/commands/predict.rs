@@ -41,6 +41,15 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         }
     }
     files::write(&args.out, text.as_bytes())?;
+    let unknown = predicted.iter().filter(|p| p.is_nan()).count();
+    if unknown > 0 {
+        eprintln!(
+            "{}: {unknown} of {} samples are predicted as NaN: they lie in or between gaps of more than four samples, \
+             and their velocity is not known",
+            args.recording.display(),
+            predicted.len()
+        );
+    }
     if args.out.as_os_str() != "-" && count > 0 && force > 0.0 {
         println!(
             "{}: {} samples; unfiltered residual {} {unit} rms, {:.2} % of the force",

@@ -1,0 +1,120 @@
+//! Short gaps of a motion closed, for a prediction: over a few samples a body's motion is known from what is on either
+//! side. A fit leaves gaps out instead, because nothing is known there of the force.
+
+use crate::{Error, Recording};
+
+/// Most samples in a row that are put in.
+const MOST: usize = 4;
+
+/// Steps of the clock from which on a sample is missing.
+const GAP: f64 = 1.6;
+
+/// A recording of the motion alone, its force 0, and where each sample of the original is in it.
+pub(crate) struct Bridged {
+    pub motion: Recording,
+    pub places: Vec<usize>,
+}
+
+/// Puts samples into gaps of the clock of at most [`MOST`], and values for as many that are not numbers.
+///
+/// # Errors
+/// Columns of unequal length.
+pub(crate) fn bridged(recording: &Recording) -> Result<Bridged, Error> {
+    recording.check_lengths()?;
+    let dt = recording.sample_period().unwrap_or(f64::NAN);
+    let (mut time, mut places): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
+    for t in &recording.time {
+        let before = time.last().copied().unwrap_or(*t);
+        let steps = (t - before) / dt;
+        let missing = steps.round() - 1.0;
+        if steps >= GAP && missing <= MOST as f64 {
+            time.extend((1..=missing as usize).map(|k| before + (t - before) * k as f64 / (missing + 1.0)));
+        }
+        places.push(time.len());
+        time.push(*t);
+    }
+    let spread = |column: &[f64]| {
+        let mut out = vec![f64::NAN; time.len()];
+        for (place, value) in places.iter().zip(column) {
+            out[*place] = *value;
+        }
+        fill(&time, &mut out);
+        out
+    };
+    let optional = |column: &Option<Vec<f64>>| column.as_deref().map(spread);
+    let motion = Recording {
+        name: recording.name.clone(),
+        geometry: recording.geometry,
+        position: spread(&recording.position),
+        velocity: optional(&recording.velocity),
+        acceleration: optional(&recording.acceleration),
+        normal_force: optional(&recording.normal_force),
+        force: vec![0.0; time.len()],
+        time,
+        ..Recording::default()
+    };
+    Ok(Bridged { motion, places })
+}
+
+/// Replaces runs of at most [`MOST`] values that are not numbers by the cubic through the two on either side, where all
+/// four stand together; by a straight line where they do not.
+fn fill(time: &[f64], column: &mut [f64]) {
+    let known: Vec<usize> = (0..column.len()).filter(|i| column[*i].is_finite()).collect();
+    for (k, pair) in known.windows(2).enumerate() {
+        let (low, high) = (pair[0], pair[1]);
+        if high - low < 2 || high - low > MOST + 1 {
+            continue;
+        }
+        let mut nodes = vec![low, high];
+        let beside = (k.checked_sub(1).and_then(|b| known.get(b)), known.get(k + 2));
+        if let (Some(before), Some(after)) = beside
+            && before + 1 == low
+            && *after == high + 1
+        {
+            nodes = vec![*before, low, high, *after];
+        }
+        for i in low + 1..high {
+            column[i] = lagrange(time, column, &nodes, time[i]);
+        }
+    }
+}
+
+/// The polynomial through `nodes`, at `t`.
+fn lagrange(time: &[f64], column: &[f64], nodes: &[usize], t: f64) -> f64 {
+    let others = |a: &usize| -> f64 {
+        let rest = nodes.iter().filter(|b| *b != a);
+        rest.map(|b| (t - time[*b]) / (time[*a] - time[*b])).product()
+    };
+    nodes.iter().map(|a| column[*a] * others(a)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_with_lost_samples_and_holes_comes_back_and_a_long_gap_stays() {
+        let at = |t: f64| 1.0 + 2.0 * t - 30.0 * t * t + 400.0 * t * t * t;
+        let lost = |i: &usize| ![20, 21, 40, 41, 42, 43].contains(i) && !(60..70).contains(i);
+        let time: Vec<f64> = (0..100).filter(lost).map(|i| 1e-3 * i as f64).collect();
+        let mut position: Vec<f64> = time.iter().map(|t| at(*t)).collect();
+        let hole = 8;
+        position[hole] = f64::NAN;
+        let recording = Recording {
+            force: vec![f64::NAN; time.len()],
+            velocity: Some(vec![1.0; time.len()]),
+            time,
+            position,
+            ..Recording::default()
+        };
+        let Bridged { motion, places } = bridged(&recording).unwrap();
+        assert_eq!(motion.len(), 90);
+        for (t, x) in motion.time.iter().zip(&motion.position) {
+            assert!((x - at(*t)).abs() < 1e-12, "{t} s: {x} for {}", at(*t));
+        }
+        assert!(motion.velocity.unwrap().iter().all(|v| (v - 1.0).abs() < 1e-12));
+        for (i, place) in places.iter().enumerate() {
+            assert_eq!(motion.time[*place], recording.time[i]);
+        }
+    }
+}
