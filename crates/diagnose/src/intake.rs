@@ -10,7 +10,7 @@ use crate::signal::{LowPass, derivative, local_noise};
 use crate::track::{Channels, differentiated, dominant_frequency};
 use crate::wave::Wave;
 use crate::witness::hear;
-use identify::{FaultKind, Geometry, Recording, RecordingFault, audit, without_outliers};
+use identify::{Bridged, FaultKind, Geometry, Recording, RecordingFault, audit, bridged, without_outliers};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -224,7 +224,13 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         check_lengths(recording)?;
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
-        let mut stretches = cut(&without_outliers(recording), index);
+        let Bridged { recording: whole, filled, .. } = bridged(&without_outliers(recording));
+        if filled > 0 {
+            let why =
+                format!("{filled} samples in gaps of at most four are put in from those on either side");
+            intake.faults.push(RecordingFault::new(FaultKind::LostSamples, None, why));
+        }
+        let mut stretches = cut(&whole, index);
         intake.straighten(&mut stretches);
         intake.mend(&mut stretches);
         for mut stretch in stretches {

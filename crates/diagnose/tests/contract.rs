@@ -104,6 +104,33 @@ fn lost_samples_are_a_fault_and_not_physics() {
 }
 
 #[test]
+fn samples_lost_one_by_one_left_nothing_to_fit() {
+    let case =
+        Case { hidden: [Hidden::Stribeck { size: 0.5, speed: 0.02 }, Hidden::Nothing], ..Case::default() };
+    let (whole, _) = record(&case);
+    // one of six
+    let keep = |s: &[f64]| -> Vec<f64> {
+        s.iter().enumerate().filter(|(i, _)| (i * i * 7 + i) % 12 != 8).map(|(_, x)| *x).collect()
+    };
+    let cut = Recording {
+        time: keep(&whole.time),
+        position: keep(&whole.position),
+        force: keep(&whole.force),
+        ..whole.clone()
+    };
+    println!("{} of {} samples", cut.len(), whole.len());
+    let found = run(&[cut]);
+    println!("{:?} {:?} {:?}", found.verdict, named(&found), found.recording_faults);
+    assert_eq!(named(&found), ["stribeck"]);
+    assert!(found.recording_faults.iter().any(|f| f.why.contains("are put in")));
+    let before = run(&[whole]);
+    let share = found.after.rms_heldout / before.after.rms_heldout;
+    println!("what is left: {share:.3} of that of the whole recording");
+    // fewer samples average less noise: by a tenth, and what is put in has the noise of its neighbours
+    assert!((1.0..1.25).contains(&share), "{share}");
+}
+
+#[test]
 fn a_wrong_velocity_column_is_a_fault_and_not_physics() {
     let (mut recording, _) = record(&Case::default());
     let x = &recording.position;

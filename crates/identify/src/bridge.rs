@@ -1,7 +1,6 @@
-//! Short gaps of a motion closed, for a prediction: over a few samples a body's motion is known from what is on either
-//! side. A fit leaves gaps out instead, because nothing is known there of the force.
+//! Short gaps closed: over a few samples a body's motion, and the force on it, are what those on either side say.
 
-use crate::{Error, Recording};
+use crate::Recording;
 
 /// Most samples in a row that are put in.
 const MOST: usize = 4;
@@ -9,18 +8,21 @@ const MOST: usize = 4;
 /// Steps of the clock from which on a sample is missing.
 const GAP: f64 = 1.6;
 
-/// A recording of the motion alone, its force 0, and where each sample of the original is in it.
-pub(crate) struct Bridged {
-    pub motion: Recording,
+/// A recording with its short gaps closed.
+#[derive(Debug, Clone)]
+pub struct Bridged {
+    /// The recording, its columns still of equal length.
+    pub recording: Recording,
+    /// Where each sample of the original is in it.
     pub places: Vec<usize>,
+    /// Number of samples in which something was put in.
+    pub filled: usize,
 }
 
-/// Puts samples into gaps of the clock of at most [`MOST`], and values for as many that are not numbers.
-///
-/// # Errors
-/// Columns of unequal length.
-pub(crate) fn bridged(recording: &Recording) -> Result<Bridged, Error> {
-    recording.check_lengths()?;
+/// Puts samples into gaps of the clock of at most four, and values for as many in a row that are not numbers: cubics through
+/// the two on either side. Longer gaps stay. Columns of unequal length end as values that are not numbers.
+#[must_use]
+pub fn bridged(recording: &Recording) -> Bridged {
     let dt = recording.sample_period().unwrap_or(f64::NAN);
     let (mut time, mut places): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
     for t in &recording.time {
@@ -33,32 +35,39 @@ pub(crate) fn bridged(recording: &Recording) -> Result<Bridged, Error> {
         places.push(time.len());
         time.push(*t);
     }
-    let spread = |column: &[f64]| {
+    let mut touched = vec![false; time.len()];
+    let mut spread = |column: &[f64]| {
         let mut out = vec![f64::NAN; time.len()];
         for (place, value) in places.iter().zip(column) {
             out[*place] = *value;
         }
-        fill(&time, &mut out);
+        for i in fill(&time, &mut out) {
+            touched[i] = true;
+        }
         out
     };
-    let optional = |column: &Option<Vec<f64>>| column.as_deref().map(spread);
-    let motion = Recording {
+    let mut optional = |column: &Option<Vec<f64>>| column.as_deref().map(&mut spread);
+    let recording = Recording {
         name: recording.name.clone(),
         geometry: recording.geometry,
-        position: spread(&recording.position),
         velocity: optional(&recording.velocity),
         acceleration: optional(&recording.acceleration),
         normal_force: optional(&recording.normal_force),
-        force: vec![0.0; time.len()],
+        command: optional(&recording.command),
+        reference: optional(&recording.reference),
+        temperature: optional(&recording.temperature),
+        position: spread(&recording.position),
+        force: spread(&recording.force),
         time,
-        ..Recording::default()
+        metadata: recording.metadata.clone(),
     };
-    Ok(Bridged { motion, places })
+    Bridged { recording, places, filled: touched.into_iter().filter(|t| *t).count() }
 }
 
 /// Replaces runs of at most [`MOST`] values that are not numbers by the cubic through the two on either side, where all
-/// four stand together; by a straight line where they do not.
-fn fill(time: &[f64], column: &mut [f64]) {
+/// four stand together; by a straight line where they do not. Returns which.
+fn fill(time: &[f64], column: &mut [f64]) -> Vec<usize> {
+    let mut filled = Vec::new();
     let known: Vec<usize> = (0..column.len()).filter(|i| column[*i].is_finite()).collect();
     for (k, pair) in known.windows(2).enumerate() {
         let (low, high) = (pair[0], pair[1]);
@@ -75,8 +84,10 @@ fn fill(time: &[f64], column: &mut [f64]) {
         }
         for i in low + 1..high {
             column[i] = lagrange(time, column, &nodes, time[i]);
+            filled.push(i);
         }
     }
+    filled
 }
 
 /// The polynomial through `nodes`, at `t`.
@@ -101,20 +112,20 @@ mod tests {
         let hole = 8;
         position[hole] = f64::NAN;
         let recording = Recording {
-            force: vec![f64::NAN; time.len()],
+            force: vec![1.0; time.len()],
             velocity: Some(vec![1.0; time.len()]),
             time,
             position,
             ..Recording::default()
         };
-        let Bridged { motion, places } = bridged(&recording).unwrap();
-        assert_eq!(motion.len(), 90);
-        for (t, x) in motion.time.iter().zip(&motion.position) {
+        let Bridged { recording: whole, places, filled } = bridged(&recording);
+        assert_eq!((whole.len(), filled), (90, 7));
+        for (t, x) in whole.time.iter().zip(&whole.position) {
             assert!((x - at(*t)).abs() < 1e-12, "{t} s: {x} for {}", at(*t));
         }
-        assert!(motion.velocity.unwrap().iter().all(|v| (v - 1.0).abs() < 1e-12));
+        assert!(whole.velocity.unwrap().iter().all(|v| (v - 1.0).abs() < 1e-12));
         for (i, place) in places.iter().enumerate() {
-            assert_eq!(motion.time[*place], recording.time[i]);
+            assert_eq!(whole.time[*place], recording.time[i]);
         }
     }
 }

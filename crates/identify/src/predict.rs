@@ -49,7 +49,9 @@ impl Model {
                     .to_lowercase(),
             });
         }
-        let Bridged { motion, places } = bridged(recording)?;
+        recording.check_lengths()?;
+        let motion = Recording { force: vec![0.0; recording.len()], ..recording.clone() };
+        let Bridged { recording: motion, places, .. } = bridged(&motion);
         let signals = prepare(&motion, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
         let (force, moves) = (self.predict_signals(&signals), signals.are_in_stretches());
         Ok(places.into_iter().map(|at| if moves[at] { force[at] } else { f64::NAN }).collect())
