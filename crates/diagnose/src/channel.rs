@@ -3,7 +3,8 @@
 
 use crate::agreement::Column;
 use crate::flips::gain_interval;
-use crate::result::{Missing, Quantity};
+use crate::known_error::{self, Errors};
+use crate::result::{Location, Missing, Quantity};
 use crate::term::Stage;
 use crate::track::Track;
 use crate::wave::Wave;
@@ -23,16 +24,22 @@ pub struct Channel {
     pub encoder: Option<Wave>,
 }
 
-/// Effects of the motion channels that matter for the force. `coefficients` are the baseline's.
+/// Effects of the motion channels that matter for the force, each with where it does. `coefficients` are the baseline's.
 pub fn missing(
     channel: &Channel,
     stage: &Stage,
     coefficients: &[f64],
     rotary: bool,
     seed: u64,
-) -> Vec<Missing> {
+) -> Vec<(Missing, Vec<Location>)> {
     let [mass, c_p, c_n, b_p, b_n, ..] = *coefficients else { return Vec::new() };
     let friction = |v: f64| if v > 0.0 { c_p + b_p * v } else { -c_n + b_n * v };
+    let located = |id: &str, cost: Option<Cost>, parameters, surest| {
+        let cost = cost?;
+        let missing = entry(id, &cost, parameters, surest)?;
+        let regions = known_error::regions(stage, &cost.errors, rotary, missing.p);
+        Some((missing, regions))
+    };
     let mut out = Vec::new();
     if let Some(column) = channel.velocity {
         let longest = stage.tracks.iter().map(|t| t.raw.dt).fold(0.0, f64::max);
@@ -49,7 +56,7 @@ pub fn missing(
                 .collect()
         });
         let parameters = vec![("lag", column.lag, "s".to_string())];
-        out.extend(cost.and_then(|c| entry("velocity_lag", c, parameters, column.lag)));
+        out.extend(located("velocity_lag", cost, parameters, column.lag));
     }
     if let Some(column) = channel.acceleration {
         let gain = (column.scale.0 - 1.0, column.scale.1);
@@ -61,7 +68,7 @@ pub fn missing(
         let parameters = vec![("gain", gain, "1".to_string()), ("zero", column.zero, unit.to_string())];
         let surest =
             if (gain.0 / gain.1).abs() > (column.zero.0 / column.zero.1).abs() { gain } else { column.zero };
-        out.extend(cost.and_then(|c| entry("accelerometer_error", c, parameters, surest)));
+        out.extend(located("accelerometer_error", cost, parameters, surest));
     }
     if let Some(wave) = channel.encoder {
         let cost = cost(stage, seed, |t| {
@@ -78,7 +85,7 @@ pub fn missing(
             ("phase", wave.phase, "rad".to_string()),
             ("wavelength", wave.wavelength, unit.to_string()),
         ];
-        out.extend(cost.and_then(|c| entry("encoder_eccentricity", c, parameters, wave.amplitude)));
+        out.extend(located("encoder_eccentricity", cost, parameters, wave.amplitude));
     }
     out
 }
@@ -89,6 +96,7 @@ struct Cost {
     before: f64,
     after: f64,
     interval: [f64; 2],
+    errors: Errors,
 }
 
 /// Whether a sample is in motion: at rest the force is whatever balances.
@@ -101,8 +109,9 @@ fn cost(stage: &Stage, seed: u64, of: impl Fn(&Track) -> Vec<Option<f64>>) -> Op
     let samples: usize = stage.tracks.iter().map(Track::len).sum();
     let mut sums = vec![[0.0; 3]; BLOCKS];
     let mut first = 0;
-    for t in &stage.tracks {
-        for (i, error) in of(t).into_iter().enumerate().filter_map(|(i, error)| Some((i, error?))) {
+    let errors: Errors = stage.tracks.iter().map(of).collect();
+    for (t, errors) in stage.tracks.iter().zip(&errors) {
+        for (i, error) in errors.iter().enumerate().filter_map(|(i, error)| Some((i, (*error)?))) {
             let block = &mut sums[(first + i) * BLOCKS / samples];
             let noise = t.noise.force * t.noise.force;
             *block = [block[0] + noise + error * error, block[1] + noise, block[2] + 1.0];
@@ -117,12 +126,13 @@ fn cost(stage: &Stage, seed: u64, of: impl Fn(&Track) -> Vec<Option<f64>>) -> Op
     // less than this share of the noise is not worth a name, however sure
     let error = (rms(&before).powi(2) - rms(&after).powi(2)).max(0.0).sqrt();
     let counts = interval[0] > 0.0 && error > crate::floor::REGULAR * rms(&after);
-    counts.then(|| Cost { before: rms(&before), after: rms(&after), interval })
+    let (before, after) = (rms(&before), rms(&after));
+    counts.then_some(Cost { before, after, interval, errors })
 }
 
 fn entry(
     id: &str,
-    cost: Cost,
+    cost: &Cost,
     parameters: Vec<(&str, (f64, f64), String)>,
     surest: (f64, f64),
 ) -> Option<Missing> {

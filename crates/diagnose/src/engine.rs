@@ -14,7 +14,7 @@ use crate::locate::{locate, row_motion, row_times};
 use crate::nuisance::{self, Declared, Nuisance, PerRecording};
 use crate::options::{Error, Options};
 use crate::result::{
-    After, Baseline, Diagnosis, Figures, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Verdict,
+    After, Baseline, Diagnosis, Figures, Location, Missing, NoiseFloor, Quantity, Remainder, SCHEMA, Verdict,
 };
 use crate::search::{Catalogue, Hypothesis, Search};
 use crate::sensor::Acts;
@@ -38,6 +38,9 @@ pub(crate) const BASELINE: [(&str, &str, &str); 5] = [
 
 /// Share of the floor below which a held-out error refutes it.
 const UNDERCUT: f64 = 0.7;
+
+/// Most regions of what was fitted that are told.
+const MOST_REGIONS: usize = 12;
 
 /// Share of the time that may be set aside around reversals; where it is more, they are kept.
 const MOST_REVERSALS: f64 = 0.6;
@@ -334,7 +337,19 @@ impl Run<'_> {
             options.seed,
         );
         let said: Vec<String> = missing.iter().map(|m| &m.effect).chain(&options.exclude).cloned().collect();
-        missing.extend(of_channels.into_iter().filter(|m| !said.contains(&m.effect)));
+        let mut of_channels: Vec<_> =
+            of_channels.into_iter().filter(|(m, _)| !said.contains(&m.effect)).collect();
+        of_channels.sort_by(|a, b| gain(&b.0).total_cmp(&gain(&a.0)));
+        // where the strongest effect shows stands first
+        let strongest = missing.iter().map(gain).fold(0.0, f64::max);
+        let (ahead, behind): (Vec<_>, Vec<_>) =
+            of_channels.into_iter().partition(|(m, _)| gain(m) > strongest);
+        let shown = |effects: &[(Missing, Vec<Location>)]| -> Vec<Location> {
+            effects.iter().flat_map(|(_, regions)| regions.clone()).collect()
+        };
+        let of_fit: Vec<Location> = located.regions.into_iter().take(MOST_REGIONS).collect();
+        let mut location = [shown(&ahead), of_fit, shown(&behind)].concat();
+        missing.extend(ahead.into_iter().chain(behind).map(|(m, _)| m));
         missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         let explained_by_unnamed = unnamed.as_ref().map(|u| u.rms_heldout_after);
         missing.extend(unnamed);
@@ -370,11 +385,9 @@ impl Run<'_> {
             declared: &options.per_recording,
         };
         let validation = judged.map_or_else(Vec::new, |j| frozen.judge(&j));
-        let location = if verdict == Verdict::Mismatch {
-            located.regions.into_iter().take(12).collect()
-        } else {
-            Vec::new()
-        };
+        if verdict != Verdict::Mismatch {
+            location.clear();
+        }
         let mut diagnosis = Diagnosis {
             schema: SCHEMA,
             verdict,

@@ -43,6 +43,7 @@ mod floor;
 mod free_run;
 mod intake;
 mod joint;
+mod known_error;
 mod linear;
 mod lines;
 mod locate;

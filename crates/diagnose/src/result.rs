@@ -54,7 +54,8 @@ pub struct Baseline {
     pub rms_heldout: f64,
 }
 
-/// A stretch of one coordinate in which the residual's conditional mean leaves its simultaneous band.
+/// A stretch of one coordinate in which the residual's conditional mean leaves its simultaneous band, or, for an effect of
+/// a motion channel, in which more of the squared error it makes sits than of the samples.
 #[derive(Debug, Clone, Serialize)]
 pub struct Location {
     /// `velocity`, `position`, `distance_since_reversal`, `time`, …

@@ -45,8 +45,7 @@ pub fn summary(d: &Diagnosis) -> String {
             let first =
                 d.missing.first().map_or_else(String::new, |m| format!(": {}", m.says.trim_end_matches('.')));
             let Errors { before, after, of_samples } = Errors::of(d);
-            // what is left of a channel that was set right says nothing of where it showed
-            let place = d.location.first().filter(|_| !of_samples).map_or_else(String::new, |l| {
+            let place = d.location.first().map_or_else(String::new, |l| {
                 format!(
                     "; most of it shows over {} from {} to {} {}",
                     l.coordinate.replace('_', " "),

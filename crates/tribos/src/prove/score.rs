@@ -38,7 +38,7 @@ pub(crate) struct Outcome {
     pub false_alarm: bool,
     /// The effect, or why it cannot be seen, is among what the recording is blind to.
     pub blind: bool,
-    /// A coordinate over which the effect shows is among the first three located; none where none is expected.
+    /// A coordinate over which the effect shows is among the first three coordinates located; none where none is expected.
     pub located: Option<bool>,
     /// Mean relative error of the effect's parameters.
     pub parameter_error: Option<f64>,
@@ -91,7 +91,8 @@ pub(crate) fn score(places: &Places, case: usize) -> Result<Outcome> {
     };
     if label.kind == "single" && first {
         let expected = find(hidden[0]).map_or(&[][..], |k| k.shows_over);
-        let over = list(&answer, "location", "coordinate");
+        let mut over = list(&answer, "location", "coordinate");
+        over.dedup();
         out.located = Some(over.iter().take(3).any(|c| expected.contains(&c.as_str())));
         let stated = &answer["missing"][0]["parameters"];
         let mut errors = Vec::new();
