@@ -10,7 +10,9 @@ use crate::signal::{LowPass, derivative, local_noise};
 use crate::track::{Channels, differentiated, dominant_frequency};
 use crate::wave::Wave;
 use crate::witness::hear;
-use identify::{Bridged, FaultKind, Geometry, Recording, RecordingFault, audit, bridged, without_outliers};
+use identify::{
+    Bridged, FaultKind, Geometry, Recording, RecordingFault, audit, bridged, put_in, without_outliers,
+};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -225,11 +227,7 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
         let Bridged { recording: whole, filled, .. } = bridged(&without_outliers(recording));
-        if filled > 0 {
-            let why =
-                format!("{filled} samples in gaps of at most four are put in from those on either side");
-            intake.faults.push(RecordingFault::new(FaultKind::LostSamples, None, why));
-        }
+        intake.faults.extend(put_in(filled));
         let mut stretches = cut(&whole, index);
         intake.straighten(&mut stretches);
         intake.mend(&mut stretches);

@@ -1,6 +1,6 @@
 //! Short gaps closed: over a few samples a body's motion, and the force on it, are what those on either side say.
 
-use crate::Recording;
+use crate::{FaultKind, Recording, RecordingFault};
 
 /// Most samples in a row that are put in.
 const MOST: usize = 4;
@@ -62,6 +62,12 @@ pub fn bridged(recording: &Recording) -> Bridged {
         metadata: recording.metadata.clone(),
     };
     Bridged { recording, places, filled: touched.into_iter().filter(|t| *t).count() }
+}
+
+/// Says of a recording that gaps were closed in it.
+pub fn put_in(filled: usize) -> Option<RecordingFault> {
+    let why = format!("{filled} samples in gaps of at most four are put in from those on either side");
+    (filled > 0).then(|| RecordingFault::new(FaultKind::LostSamples, None, why))
 }
 
 /// Replaces runs of at most [`MOST`] values that are not numbers by the cubic through the two on either side, where all

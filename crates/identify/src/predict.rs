@@ -53,8 +53,12 @@ impl Model {
         let motion = Recording { force: vec![0.0; recording.len()], ..recording.clone() };
         let Bridged { recording: motion, places, .. } = bridged(&motion);
         let signals = prepare(&motion, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
-        let (force, moves) = (self.predict_signals(&signals), signals.are_in_stretches());
-        Ok(places.into_iter().map(|at| if moves[at] { force[at] } else { f64::NAN }).collect())
+        let force = self.predict_signals(&signals);
+        let mut known = vec![f64::NAN; force.len()];
+        for range in signals.ranges() {
+            known[range.clone()].copy_from_slice(&force[range]);
+        }
+        Ok(places.into_iter().map(|at| known[at]).collect())
     }
 
     /// Predicts the force at every sample of prepared signals, N or N·m.

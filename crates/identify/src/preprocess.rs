@@ -5,6 +5,7 @@
 //! from velocity and acceleration) through the same filter, leaves out gaps and their edges, and decimates. Behind
 //! one linear filter on both sides, a model that is linear in its parameters stays exactly linear.
 
+use crate::bridge::{Bridged, bridged, put_in};
 use crate::calibrate::calibrate_accelerometer;
 use crate::cutoff::{central_gain, choose, white_gain};
 use crate::filter::{central_difference, decimation_filter, zero_phase_padded};
@@ -13,11 +14,12 @@ use crate::ready::Variances;
 use crate::sources::{Source, Sources, agrees};
 use crate::stretches::{SHORTEST, Stretch, closed, cut, rms_frequency, used};
 use crate::{Error, Filter, Geometry, Recording, RecordingFault, audit, four_point_difference, zero_phase};
+use std::ops::Range;
 
 /// How signals are made from a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Preprocess {
-    /// The default. Force and regressors pass a zero-phase 4th-order Butterworth low-pass; velocity and acceleration
+    /// The default. Up to four samples in a row that were lost are put in; force and regressors pass a zero-phase 4th-order Butterworth low-pass; velocity and acceleration
     /// are taken from one cut 1.5 times higher, each from its column if that is in agreement with the position and
     /// has the smaller error, from the position by four-point differences otherwise.
     Tribos {
@@ -40,7 +42,8 @@ impl Default for Preprocess {
     }
 }
 
-/// Signals of equal length, one value for each sample of the recording, no NaN among them. Between gap-free stretches
+/// Signals of equal length, one value for each sample of the recording, no NaN among them; by [`Preprocess::Tribos`] of the
+/// recording with its short gaps closed ([`bridged`]). Between gap-free stretches
 /// holes of the columns are closed by straight lines, and velocity and acceleration are 0: no row is made of that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signals {
@@ -95,13 +98,9 @@ impl Signals {
         self.time.len()
     }
 
-    /// For every sample, whether its velocity and acceleration are known.
-    pub(crate) fn are_in_stretches(&self) -> Vec<bool> {
-        let mut out = vec![false; self.len()];
-        for stretch in &self.stretches {
-            out[stretch.range.clone()].fill(true);
-        }
-        out
+    /// The samples of each stretch: where velocity and acceleration are known.
+    pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.stretches.iter().map(|s| s.range.clone())
     }
 
     /// No samples at all; [`prepare`] never returns that.
@@ -169,6 +168,16 @@ impl Signals {
 /// column that the method needs and that is not there.
 pub fn prepare(recording: &Recording, how: &Preprocess) -> Result<Signals, Error> {
     recording.check_lengths()?;
+    let mut faults = audit(recording).faults;
+    let closed_gaps;
+    let recording = if let Preprocess::Tribos { .. } = how {
+        let Bridged { recording: whole, filled, .. } = bridged(recording);
+        faults.extend(put_in(filled));
+        closed_gaps = whole;
+        &closed_gaps
+    } else {
+        recording
+    };
     let refuse = |why: String| Error::Recording { recording: recording.name.clone(), why };
     let dt = recording
         .sample_period()
@@ -200,7 +209,7 @@ pub fn prepare(recording: &Recording, how: &Preprocess) -> Result<Signals, Error
         stretches,
         rows: Rows { decimation: 1, ..Rows::default() },
         errors: Default::default(),
-        faults: audit(recording).faults,
+        faults,
         description: String::new(),
     };
     signals.force_full = signals.force.clone();

@@ -2,7 +2,7 @@
 
 use crate::identification::Units;
 use crate::moves::Moves;
-use crate::smoother::{Measured, smooth};
+use crate::smoother::{Measured, Smoothed, smooth};
 use crate::{Error, Errors, Signals};
 
 /// Error variances of the regressors: of every sample, or of the rows behind the filter.
@@ -48,6 +48,32 @@ pub(crate) struct Ready<'a> {
     pub step_rms: f64,
 }
 
+/// Smooths each stretch by itself: over a gap position and velocity jump. Outside of them the velocity is not known, and 0.
+fn smoothed(signals: &Signals, errors: Variances) -> Smoothed {
+    let of_position = crate::noise_variance(&signals.position);
+    let mut whole = Smoothed {
+        position: signals.position.clone(),
+        velocity: vec![0.0; signals.len()],
+        ..Smoothed::default()
+    };
+    let mut longest = 0;
+    for range in signals.ranges() {
+        let part = smooth(&Measured {
+            position: (&signals.position[range.clone()], of_position),
+            velocity: (&signals.velocity[range.clone()], errors.velocity),
+            acceleration: (&signals.acceleration[range.clone()], errors.acceleration),
+            dt: signals.dt,
+        });
+        whole.position[range.clone()].copy_from_slice(&part.position);
+        whole.velocity[range.clone()].copy_from_slice(&part.velocity);
+        if range.len() > longest {
+            longest = range.len();
+            (whole.position_std, whole.velocity_std) = (part.position_std, part.velocity_std);
+        }
+    }
+    whole
+}
+
 /// Fewest rows a law is fitted to.
 const FEWEST: usize = 30;
 
@@ -74,12 +100,7 @@ impl<'a> Ready<'a> {
             }
         };
         let dt = signals.dt;
-        let smoothed = smooth(&Measured {
-            position: (&signals.position, crate::noise_variance(&signals.position)),
-            velocity: (&signals.velocity, measured.velocity),
-            acceleration: (&signals.acceleration, measured.acceleration),
-            dt,
-        });
+        let smoothed = smoothed(signals, measured);
         let force_rows = signals.condition(&signals.force);
         let finite = [&signals.position, &signals.velocity, &signals.acceleration, &signals.force]
             .iter()
@@ -129,6 +150,15 @@ impl<'a> Ready<'a> {
     /// A column over every sample, as rows behind the filter of the force.
     pub fn rows(&self, series: &[f64]) -> Vec<f64> {
         self.signals.condition(series)
+    }
+
+    /// The velocity, not a number where it is not known.
+    pub fn known_velocity(&self) -> Vec<f64> {
+        let mut out = vec![f64::NAN; self.velocity.len()];
+        for range in self.signals.ranges() {
+            out[range.clone()].copy_from_slice(&self.velocity[range]);
+        }
+        out
     }
 
     pub fn moves(&self) -> Moves {

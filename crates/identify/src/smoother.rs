@@ -19,6 +19,7 @@ pub(crate) struct Measured<'a> {
 }
 
 /// Smoothed position and velocity with their standard deviations halfway.
+#[derive(Default)]
 pub(crate) struct Smoothed {
     pub position: Vec<f64>,
     pub position_std: f64,

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// What is left of a recording once inertia and sliding friction are known.
 pub(crate) struct LowSpeed<'a> {
-    /// Velocity behind the noise, m/s.
+    /// Velocity behind the noise, m/s; not a number where it is not known.
     pub velocity: &'a [f64],
     /// Its standard deviation, m/s.
     pub velocity_std: f64,
@@ -134,7 +134,12 @@ impl LowSpeed<'_> {
                 k += 1;
                 continue;
             }
-            let Some(start) = (k..v.len()).find(|i| v[*i].abs() > rest) else { break };
+            let Some(start) = (k..v.len()).find(|i| !(v[*i].abs() <= rest)) else { break };
+            // how it left rest, if it did, is in a gap
+            if v[start].is_nan() {
+                k = start + 1;
+                continue;
+            }
             let way = usize::from(v[start] < 0.0);
             let sign = if way == 0 { 1.0 } else { -1.0 };
             let end =

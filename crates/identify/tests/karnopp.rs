@@ -242,3 +242,43 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn lost_samples_made_the_body_jump_and_stop() {
+    let mut whole = moved(16.0, sine(0.01, 9.0));
+    // with a velocity column that is the position's derivative and no more, as most recordings are
+    (whole.velocity, whole.acceleration) = (None, None);
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+    for x in &mut whole.position {
+        let noise: f64 = StandardNormal.sample(&mut random);
+        *x += 1e-6 * noise;
+    }
+    let all = fit(&whole, &Preprocess::default());
+    let one_of_fifty: Vec<bool> =
+        (0..whole.len()).map(|_| rand_distr::Uniform::new(0, 50).unwrap().sample(&mut random) > 0).collect();
+    let keeps: [(&str, &dyn Fn(usize) -> bool); 3] = [
+        ("one of fifty at random", &|i| one_of_fifty[i]),
+        ("400 at once", &|i| !(5000..5400).contains(&i)),
+        ("12 after every 288", &|i| i % 300 >= 12),
+    ];
+    for (what, keep) in keeps {
+        let kept = |column: &[f64]| -> Vec<f64> {
+            column.iter().enumerate().filter(|(i, _)| keep(*i)).map(|(_, x)| *x).collect()
+        };
+        let r = Recording {
+            time: kept(&whole.time),
+            position: kept(&whole.position),
+            force: kept(&whole.force),
+            ..Recording::default()
+        };
+        let found = fit(&r, &Preprocess::default());
+        healthy(&found);
+        println!("{what}: {} rows of {}", found.samples, all.samples);
+        for (name, truth) in [("mass", 0.4), ("coulomb_p", 1.5), ("coulomb_n", 1.2), ("viscous_p", 2.0)] {
+            let (p, before) = (&found.parameters[name], &all.parameters[name]);
+            println!("  {name} {:.4} ± {:.4}, whole {:.4} ± {:.4}", p.value, p.std, before.value, before.std);
+            assert!((p.value - truth).abs() < 4.0 * before.std, "{what}: {name}");
+            assert!(p.std < 1.5 * before.std, "{what}: {name}");
+        }
+    }
+}
