@@ -22,7 +22,7 @@ const NEARLY: f64 = 1.04;
 
 /// Replaces a transport effect of `found` by the one, and the time, that leaves least beyond its own noise.
 pub fn settle(search: &Search, found: Hypothesis) -> Hypothesis {
-    replace(search, found, |_, corrected| best(search, corrected))
+    replace(search, found, |_, others, corrected| best(search, others, corrected))
 }
 
 /// The same among times near the one it has.
@@ -30,13 +30,13 @@ pub fn nearby(search: &Search, found: Hypothesis) -> Hypothesis {
     let near = |term: &Term| -> Vec<Term> {
         (-NEAR..=NEAR).map(|k| term.at(term.shape[0] * NEARLY.powi(k))).collect()
     };
-    replace(search, found, |term, corrected| lowest(search, corrected, near(term)))
+    replace(search, found, |term, _, corrected| lowest(search, corrected, near(term)))
 }
 
 fn replace(
     search: &Search,
     mut found: Hypothesis,
-    best: impl Fn(&Term, &Corrected) -> Option<Term>,
+    best: impl Fn(&Term, &[Atom], &Corrected) -> Option<Term>,
 ) -> Hypothesis {
     for i in 0..found.atoms.len() {
         if !found.atoms[i].term.kind.acts(Acts::InTime) {
@@ -45,7 +45,9 @@ fn replace(
         let mut others = found.atoms.clone();
         others.remove(i);
         let own = found.atoms[i].term;
-        let Some(term) = Corrected::new(search, &others).and_then(|c| best(&own, &c)) else { continue };
+        let Some(term) = Corrected::new(search, &others).and_then(|c| best(&own, &others, &c)) else {
+            continue;
+        };
         let mut atom = Atom::new(search.stage, &search.catalogue.baseline, term);
         atom.reliable = found.atoms[i].reliable;
         others.insert(i, atom);
@@ -103,11 +105,12 @@ pub fn saved(search: &Search, parent: &[Atom], child: &[Atom]) -> Option<f64> {
     Some(left(parent)? - left(child)?)
 }
 
-/// The transport effect that leaves least beside what `corrected` holds.
-fn best(search: &Search, corrected: &Corrected) -> Option<Term> {
+/// The transport effect that leaves least beside what `corrected` holds, the `others`: none of them once more.
+fn best(search: &Search, others: &[Atom], corrected: &Corrected) -> Option<Term> {
+    let has = |atoms: &[Atom], kind: &TermKind| atoms.iter().any(|a| a.term.kind == *kind);
     let kinds = TermKind::all()
         .into_iter()
-        .filter(|k| k.acts(Acts::InTime) && search.catalogue.atoms.iter().any(|a| a.term.kind == *k));
+        .filter(|k| k.acts(Acts::InTime) && has(&search.catalogue.atoms, k) && !has(others, k));
     let mut terms = Vec::new();
     for kind in kinds {
         let (low, high, _) = search.scales.range(&kind.shape()[0]);

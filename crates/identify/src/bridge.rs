@@ -8,6 +8,9 @@ const MOST: usize = 4;
 /// Steps of the clock from which on a sample is missing.
 const GAP: f64 = 1.6;
 
+/// Steps of the clock below which a sample was written twice.
+const AGAIN: f64 = 0.05;
+
 /// A recording with its short gaps closed.
 #[derive(Debug, Clone)]
 pub struct Bridged {
@@ -20,14 +23,20 @@ pub struct Bridged {
 }
 
 /// Puts samples into gaps of the clock of at most four, and values for as many in a row that are not numbers: cubics through
-/// the two on either side. Longer gaps stay. Columns of unequal length end as values that are not numbers.
+/// the two on either side. Longer gaps stay; of a sample that was written twice the first counts. Columns of unequal length
+/// end as values that are not numbers.
 #[must_use]
 pub fn bridged(recording: &Recording) -> Bridged {
     let dt = recording.sample_period().unwrap_or(f64::NAN);
     let (mut time, mut places): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
     for t in &recording.time {
-        let before = time.last().copied().unwrap_or(*t);
-        let steps = (t - before) / dt;
+        let before = time.last().copied();
+        let steps = before.map_or(1.0, |before| (t - before) / dt);
+        let before = before.unwrap_or(*t);
+        if (0.0..AGAIN).contains(&steps) {
+            places.push(time.len() - 1);
+            continue;
+        }
         let missing = steps.round() - 1.0;
         if steps >= GAP && missing <= MOST as f64 {
             time.extend((1..=missing as usize).map(|k| before + (t - before) * k as f64 / (missing + 1.0)));
@@ -38,7 +47,8 @@ pub fn bridged(recording: &Recording) -> Bridged {
     let mut touched = vec![false; time.len()];
     let mut spread = |column: &[f64]| {
         let mut out = vec![f64::NAN; time.len()];
-        for (place, value) in places.iter().zip(column) {
+        // of what was written twice the first
+        for (place, value) in places.iter().zip(column).rev() {
             out[*place] = *value;
         }
         for i in fill(&time, &mut out) {
@@ -117,6 +127,10 @@ mod tests {
         let mut position: Vec<f64> = time.iter().map(|t| at(*t)).collect();
         let hole = 8;
         position[hole] = f64::NAN;
+        // the tenth was written twice
+        let mut time = time;
+        time.insert(10, time[10]);
+        position.insert(11, -5.0);
         let recording = Recording {
             force: vec![1.0; time.len()],
             velocity: Some(vec![1.0; time.len()]),
@@ -132,6 +146,7 @@ mod tests {
         assert!(whole.velocity.unwrap().iter().all(|v| (v - 1.0).abs() < 1e-12));
         for (i, place) in places.iter().enumerate() {
             assert_eq!(whole.time[*place], recording.time[i]);
+            assert!(i == 11 || i == hole || whole.position[*place] == recording.position[i]);
         }
     }
 }

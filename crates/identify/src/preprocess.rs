@@ -13,15 +13,19 @@ use crate::noise::noise_variance;
 use crate::ready::Variances;
 use crate::sources::{Source, Sources, agrees};
 use crate::stretches::{SHORTEST, Stretch, closed, cut, rms_frequency, used};
-use crate::{Error, Filter, Geometry, Recording, RecordingFault, audit, four_point_difference, zero_phase};
+use crate::{
+    Error, Filter, Geometry, Recording, RecordingFault, audit, four_point_difference, without_outliers,
+    zero_phase,
+};
 use std::ops::Range;
 
 /// How signals are made from a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Preprocess {
-    /// The default. Up to four samples in a row that were lost are put in; force and regressors pass a zero-phase 4th-order Butterworth low-pass; velocity and acceleration
-    /// are taken from one cut 1.5 times higher, each from its column if that is in agreement with the position and
-    /// has the smaller error, from the position by four-point differences otherwise.
+    /// The default. Outliers ([`without_outliers`]) are left out and up to four lost samples in a row put in; force and
+    /// regressors pass a zero-phase 4th-order Butterworth low-pass; velocity and acceleration are taken from one cut 1.5
+    /// times higher, each from its column if that is in agreement with the position and has the smaller error, from the
+    /// position by four-point differences otherwise.
     Tribos {
         /// Cut-off, Hz. None: the highest at which the error of the acceleration is below 5 % of it, at most a tenth
         /// of the sampling rate and at least five times the frequency of the motion.
@@ -171,7 +175,7 @@ pub fn prepare(recording: &Recording, how: &Preprocess) -> Result<Signals, Error
     let mut faults = audit(recording).faults;
     let closed_gaps;
     let recording = if let Preprocess::Tribos { .. } = how {
-        let Bridged { recording: whole, filled, .. } = bridged(recording);
+        let Bridged { recording: whole, filled, .. } = bridged(&without_outliers(recording));
         faults.extend(put_in(filled));
         closed_gaps = whole;
         &closed_gaps

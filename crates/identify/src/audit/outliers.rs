@@ -17,12 +17,16 @@ fn outliers(series: &[f64]) -> Vec<usize> {
     if series.len() < 32 {
         return Vec::new();
     }
-    let mut distance = vec![0.0; series.len()];
-    for (i, w) in series.windows(5).enumerate() {
-        let mut sorted = [w[0], w[1], w[2], w[3], w[4]];
-        sorted.sort_by(f64::total_cmp);
-        distance[i + 2] = if sorted.iter().all(|x| x.is_finite()) { w[2] - sorted[2] } else { 0.0 };
-    }
+    let distance: Vec<f64> = (0..series.len())
+        .map(|i| {
+            // the first and the last two are compared with the five at their end
+            let from = i.saturating_sub(2).min(series.len() - 5);
+            let mut sorted = [0.0; 5];
+            sorted.copy_from_slice(&series[from..from + 5]);
+            sorted.sort_by(f64::total_cmp);
+            if sorted.iter().all(|x| x.is_finite()) { series[i] - sorted[2] } else { 0.0 }
+        })
+        .collect();
     let quantile = |of: &mut Vec<f64>, share: f64| -> f64 {
         of.sort_by(f64::total_cmp);
         of.get(((of.len() as f64 - 1.0) * share).round().max(0.0) as usize).copied().unwrap_or(0.0)
@@ -104,16 +108,16 @@ pub(super) fn far_from_neighbours(recording: &Recording, out: &mut Vec<Recording
 pub fn without_outliers(recording: &Recording) -> Recording {
     let mut out = recording.clone();
     let mend = |name: &str, values: &mut Vec<f64>| {
-        for i in of_column(recording, name, values) {
+        let found = of_column(recording, name, values);
+        for &i in &found {
             let before = values[..i].iter().rposition(|x| x.is_finite());
-            // the next that is no outlier: two in a row are the most
-            let near = |a: f64, b: f64, c: f64| (a - b).abs() <= (a - c).abs();
-            let after = (i + 1..values.len()).find(|&j| {
-                values[j].is_finite() && before.is_none_or(|b| near(values[j], values[b], values[i]))
-            });
-            if let (Some(b), Some(a)) = (before, after) {
-                values[i] = values[b] + (values[a] - values[b]) * (i - b) as f64 / (a - b) as f64;
-            }
+            let good = |j: &usize| values[*j].is_finite() && found.binary_search(j).is_err();
+            let after = (i + 1..values.len()).find(good);
+            values[i] = match (before, after) {
+                (Some(b), Some(a)) => values[b] + (values[a] - values[b]) * (i - b) as f64 / (a - b) as f64,
+                (Some(end), None) | (None, Some(end)) => values[end],
+                (None, None) => values[i],
+            };
         }
     };
     mend("position", &mut out.position);
@@ -161,6 +165,15 @@ mod tests {
         let worst = mended.force.iter().zip(&clean).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("worst sample after mending: {worst:.3}");
         assert!(worst < 0.5 && mended.position == clean);
+        // two of opposite sign side by side were mended with each other, and the two at either end were not seen
+        let mut crossed = clean.clone();
+        for (i, by) in [(0, 30.0), (500, 30.0), (501, -30.0), (1998, -30.0)] {
+            crossed[i] += by;
+        }
+        assert_eq!(outliers(&crossed), [0, 500, 501, 1998]);
+        let mended = without_outliers(&Recording { force: crossed, ..Recording::default() });
+        let worst = mended.force.iter().zip(&clean).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(worst < 0.5, "{worst}");
         // a jerk of a millisecond is a body's own where the velocity has changed by it, and a bad contact where not
         let jerk = |velocity_changes: bool| {
             let a: Vec<f64> = (0..2000).map(|i| if i == 1000 { 300.0 } else { noise() }).collect();
