@@ -26,10 +26,6 @@ const LOW: &[&str] = &["velocity", "low_speed"];
 const REVERSAL: &[&str] = &["distance_since_reversal", "time_since_reversal", "low_speed"];
 const PLACE: &[&str] = &["position", "position_forward", "position_backward"];
 const FAST: &[&str] = &["acceleration", "jerk", "force"];
-/// The load is absent after a reversal, and what is absent is its inertia.
-const PLAY: &[&str] = &["distance_since_reversal", "time_since_reversal", "acceleration", "jerk", "force"];
-/// A wave along the stroke that grows with the square of the speed.
-const WAVE: &[&str] = &["position", "position_forward", "position_backward", "velocity"];
 
 const fn kind(id: &'static str, shows_over: &'static [&'static str], size: f64, most: f64) -> Kind {
     Kind { id, also: &[], shows_over, size: (size, most), rotary: false, never: false }
@@ -55,14 +51,14 @@ pub(crate) const ALL: &[Kind] = &[
     kind("periodic_friction", PLACE, 0.2, 1.3),
     kind("torque_ripple", PLACE, 0.1, 0.9),
     kind("hard_stop", PLACE, 0.5, 50.0),
-    kind("backlash", PLAY, 0.05, 0.35),
+    kind("backlash", FAST, 0.05, 0.35),
     kind("compliance", FAST, 0.02, 1.5),
     kind("saturation", FAST, 0.2, 0.9),
     kind("actuator_lag", FAST, 1e-3, 0.03),
     kind("time_skew", FAST, 1e-3, 0.03),
     kind("velocity_lag", REVERSAL, 1e-3, 0.03),
     kind("force_gain_asymmetry", FAST, 0.05, 0.9),
-    kind("encoder_eccentricity", WAVE, 1e-3, 0.03),
+    kind("encoder_eccentricity", FAST, 1e-3, 0.03),
     Kind { never: true, ..kind("back_emf", &[], 1.0, 1.0) },
     Kind { never: true, ..kind("force_crosstalk", &[], 1.0, 1.0) },
     Kind { never: true, ..kind("offset", &[], 0.2, 1.0) },
