@@ -48,10 +48,7 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> 
             .testable()
             .into_iter()
             .filter(|a| a.term.kind == kind)
-            .map(|a| {
-                let rest: Vec<Vec<f64>> = a.columns.iter().map(|c| basis.project_out(c)).collect();
-                (Basis::of(&rest).captured(&contribution), a)
-            })
+            .map(|a| (Basis::of(&a.outside(&basis)).captured(&contribution), a))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((captured, atom)) = best else { continue };
         // A grid point is not the best shape yet: let in a little less and refine.
@@ -62,8 +59,7 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> 
         atoms.push(atom.clone());
         let Some(rival) = Hypothesis::new(stage, atoms).map(|h| search.refine(h, ROUGH)) else { continue };
         let Some(theirs) = rival.atoms.last().filter(|_| search.physical(&rival)) else { continue };
-        let rest: Vec<Vec<f64>> = theirs.columns.iter().map(|c| basis.project_out(c)).collect();
-        if Basis::of(&rest).captured(&contribution) < COLLINEAR * COLLINEAR * size {
+        if Basis::of(&theirs.outside(&basis)).captured(&contribution) < COLLINEAR * COLLINEAR * size {
             continue;
         }
         if search.is_as_good(&rival, found, without.as_ref()) {

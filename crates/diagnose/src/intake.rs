@@ -10,9 +10,7 @@ use crate::signal::{LowPass, derivative, local_noise};
 use crate::track::{Channels, differentiated, dominant_frequency};
 use crate::wave::Wave;
 use crate::witness::hear;
-use identify::{
-    Bridged, FaultKind, Geometry, Recording, RecordingFault, audit, bridged, put_in, without_outliers,
-};
+use identify::{Bridged, FaultKind, Geometry, Recording, RecordingFault, audit, bridged, without_outliers};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -226,8 +224,8 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         check_lengths(recording)?;
         intake.names.push(recording.name.clone());
         intake.faults.extend(audit(recording).faults);
-        let Bridged { recording: whole, filled, .. } = bridged(&without_outliers(recording));
-        intake.faults.extend(put_in(filled));
+        let Bridged { recording: whole, fault, .. } = bridged(&without_outliers(recording));
+        intake.faults.extend(fault);
         let mut stretches = cut(&whole, index);
         intake.straighten(&mut stretches);
         intake.mend(&mut stretches);

@@ -75,6 +75,11 @@ impl Atom {
         Self { term, columns, active, visible, reliable: 1.0 }
     }
 
+    /// What of each column is outside the span of `basis`.
+    pub fn outside(&self, basis: &Basis) -> Vec<Vec<f64>> {
+        self.columns.iter().map(|c| basis.project_out(c)).collect()
+    }
+
     /// Whether gains lie in the range their effect accepts: a fit that ends outside is naming another effect.
     pub fn physical(&self, coefficients: &[f64]) -> bool {
         let gains = self.gains(coefficients);
@@ -377,10 +382,7 @@ impl Search<'_> {
                 *sum += x;
             }
         }
-        let kept = |a: &Atom| -> f64 {
-            let rest: Vec<Vec<f64>> = a.columns.iter().map(|c| basis.project_out(c)).collect();
-            Basis::of(&rest).captured(&own)
-        };
+        let kept = |a: &Atom| Basis::of(&a.outside(&basis)).captured(&own);
         let power = dot(&own, &own);
         // A grid point is not the best shape yet: let in a little less and refine.
         let mut simpler: Vec<(usize, f64, &Atom)> = self
@@ -553,15 +555,13 @@ impl Search<'_> {
         let residual = &from.fit.residual;
         // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
         // that is tried too short would need more than the whole force.
-        let outside =
-            |atom: &Atom| -> Vec<Vec<f64>> { atom.columns.iter().map(|c| basis.project_out(c)).collect() };
         let gains: Vec<(f64, &Atom)> = self
             .catalogue
             .testable()
             .into_par_iter()
             .filter(|atom| !from.has(atom.term.kind))
             .map(|atom| {
-                let rest = outside(atom);
+                let rest = atom.outside(&basis);
                 let alone = match &rest[..] {
                     [only] => atom.physical(&[dot(only, residual) / dot(only, only)]),
                     _ => true,
@@ -582,7 +582,7 @@ impl Search<'_> {
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut trials: Vec<Vec<Atom>> = ranked.iter().take(14).map(|(_, a)| vec![(*a).clone()]).collect();
         if from.atoms.len() + 2 <= self.max_terms {
-            let each: Vec<_> = ranked.par_iter().map(|(alone, a)| (*alone, *a, outside(a))).collect();
+            let each: Vec<_> = ranked.par_iter().map(|(alone, a)| (*alone, *a, a.outside(&basis))).collect();
             let with = |(i, (alone_a, a, rest_a)): (usize, &(f64, &Atom, Vec<Vec<f64>>))| {
                 let mut pairs = Vec::new();
                 for (alone_b, b, rest_b) in each.iter().skip(i + 1).take(24) {

@@ -9,6 +9,7 @@
 //! [`SHARPER`] times the cut-off, and the noise this lets through is taken out again by the filter itself.
 
 use crate::signal::{LowPass, derivative, local_noise, quantile, rms};
+use std::cell::LazyCell;
 use std::f64::consts::PI;
 
 /// Cut-off of the filter behind which derivatives are taken, in cut-offs.
@@ -395,12 +396,12 @@ const COARSE: f64 = 0.05;
 /// Frequency of a sine with the same ratio of velocity to position, Hz.
 pub fn dominant_frequency(channels: &Channels) -> f64 {
     let (n, dt) = (channels.position.len(), channels.dt);
-    let noise = local_noise(&channels.position);
+    let noise = LazyCell::new(|| local_noise(&channels.position));
     let coarse = |step: usize| -> Vec<f64> {
         channels.position.chunks(step).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect()
     };
     let speed = |step: usize| rms(&derivative(&coarse(step), step as f64 * dt));
-    let of_noise = |step: usize| noise / ((2 * step) as f64).sqrt() / (step as f64 * dt);
+    let of_noise = |step: usize| *noise / ((2 * step) as f64).sqrt() / (step as f64 * dt);
     // A coarse derivative, so that noise does not count as motion, but not over whole strokes of a long recording.
     let coarsest = (n / 400).max(1);
     let mut step = ((COARSE / dt) as usize).clamp(1, coarsest);

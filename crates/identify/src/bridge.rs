@@ -18,8 +18,8 @@ pub struct Bridged {
     pub recording: Recording,
     /// Where each sample of the original is in it.
     pub places: Vec<usize>,
-    /// Number of samples in which something was put in.
-    pub filled: usize,
+    /// Says in how many samples something was put in, where it was.
+    pub fault: Option<RecordingFault>,
 }
 
 /// Puts samples into gaps of the clock of at most four, and values for as many in a row that are not numbers: cubics through
@@ -71,13 +71,10 @@ pub fn bridged(recording: &Recording) -> Bridged {
         time,
         metadata: recording.metadata.clone(),
     };
-    Bridged { recording, places, filled: touched.into_iter().filter(|t| *t).count() }
-}
-
-/// Says of a recording that gaps were closed in it.
-pub fn put_in(filled: usize) -> Option<RecordingFault> {
+    let filled = touched.into_iter().filter(|t| *t).count();
     let why = format!("{filled} samples in gaps of at most four are put in from those on either side");
-    (filled > 0).then(|| RecordingFault::new(FaultKind::LostSamples, None, why))
+    let fault = (filled > 0).then(|| RecordingFault::new(FaultKind::LostSamples, None, why));
+    Bridged { recording, places, fault }
 }
 
 /// Replaces runs of at most [`MOST`] values that are not numbers by the cubic through the two on either side, where all
@@ -138,8 +135,9 @@ mod tests {
             position,
             ..Recording::default()
         };
-        let Bridged { recording: whole, places, filled } = bridged(&recording);
-        assert_eq!((whole.len(), filled), (90, 7));
+        let Bridged { recording: whole, places, fault } = bridged(&recording);
+        assert_eq!(whole.len(), 90);
+        assert!(fault.is_some_and(|f| f.why.starts_with("7 samples ")));
         for (t, x) in whole.time.iter().zip(&whole.position) {
             assert!((x - at(*t)).abs() < 1e-12, "{t} s: {x} for {}", at(*t));
         }

@@ -182,7 +182,7 @@ impl Rows {
         let n = solution.residual.len().max(1) as f64;
         let noise = (solution.residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
         LowSpeed {
-            velocity: &ready.known_velocity(),
+            velocity: &signals.known(&ready.velocity),
             velocity_std: ready.velocity_std,
             friction: &friction,
             coulomb,

@@ -41,7 +41,7 @@ mod static_level;
 mod stretches;
 
 pub use audit::{Audit, FaultKind, RecordingFault, audit, without_outliers};
-pub use bridge::{Bridged, bridged, put_in};
+pub use bridge::{Bridged, bridged};
 pub use calibrate::{Calibration, calibrate_accelerometer};
 pub use dahl::{DahlOptions, DahlStart, identify_dahl};
 pub use error::{Error, Place};

@@ -1,7 +1,6 @@
 //! The force a model predicts from a motion alone: the measured force is not looked at, so a prediction of a recording
 //! the model has not seen is a fair judge of it.
 
-use crate::bridge::{Bridged, bridged};
 use crate::model::Model;
 use crate::sensor_effect::delayed;
 use crate::{Error, Preprocess, Recording, Signals, prepare};
@@ -51,14 +50,8 @@ impl Model {
         }
         recording.check_lengths()?;
         let motion = Recording { force: vec![0.0; recording.len()], ..recording.clone() };
-        let Bridged { recording: motion, places, .. } = bridged(&motion);
         let signals = prepare(&motion, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
-        let force = self.predict_signals(&signals);
-        let mut known = vec![f64::NAN; force.len()];
-        for range in signals.ranges() {
-            known[range.clone()].copy_from_slice(&force[range]);
-        }
-        Ok(places.into_iter().map(|at| known[at]).collect())
+        Ok(signals.at_recorded(&signals.known(&self.predict_signals(&signals))))
     }
 
     /// Predicts the force at every sample of prepared signals, N or N·m.

@@ -5,7 +5,7 @@
 //! from velocity and acceleration) through the same filter, leaves out gaps and their edges, and decimates. Behind
 //! one linear filter on both sides, a model that is linear in its parameters stays exactly linear.
 
-use crate::bridge::{Bridged, bridged, put_in};
+use crate::bridge::{Bridged, bridged};
 use crate::calibrate::calibrate_accelerometer;
 use crate::cutoff::{central_gain, choose, white_gain};
 use crate::filter::{central_difference, decimation_filter, zero_phase_padded};
@@ -70,6 +70,8 @@ pub struct Signals {
     /// As recorded, N.
     pub normal_force: Option<Vec<f64>>,
     stretches: Vec<Stretch>,
+    /// Where each sample of the recording is.
+    places: Vec<usize>,
     force_full: Vec<f64>,
     rows: Rows,
     errors: (Variances, Variances),
@@ -105,6 +107,20 @@ impl Signals {
     /// The samples of each stretch: where velocity and acceleration are known.
     pub(crate) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         self.stretches.iter().map(|s| s.range.clone())
+    }
+
+    /// A series of these samples, not a number where velocity and acceleration are not known.
+    pub(crate) fn known(&self, series: &[f64]) -> Vec<f64> {
+        let mut out = vec![f64::NAN; series.len()];
+        for range in self.ranges() {
+            out[range.clone()].copy_from_slice(&series[range]);
+        }
+        out
+    }
+
+    /// A series of these samples at those of the recording.
+    pub(crate) fn at_recorded(&self, series: &[f64]) -> Vec<f64> {
+        self.places.iter().map(|at| series[*at]).collect()
     }
 
     /// No samples at all; [`prepare`] never returns that.
@@ -173,14 +189,13 @@ impl Signals {
 pub fn prepare(recording: &Recording, how: &Preprocess) -> Result<Signals, Error> {
     recording.check_lengths()?;
     let mut faults = audit(recording).faults;
-    let closed_gaps;
-    let recording = if let Preprocess::Tribos { .. } = how {
-        let Bridged { recording: whole, filled, .. } = bridged(&without_outliers(recording));
-        faults.extend(put_in(filled));
-        closed_gaps = whole;
-        &closed_gaps
-    } else {
-        recording
+    let mended = matches!(how, Preprocess::Tribos { .. }).then(|| bridged(&without_outliers(recording)));
+    let (recording, places) = match &mended {
+        Some(Bridged { recording, places, fault }) => {
+            faults.extend(fault.clone());
+            (recording, places.clone())
+        }
+        None => (recording, (0..recording.len()).collect()),
     };
     let refuse = |why: String| Error::Recording { recording: recording.name.clone(), why };
     let dt = recording
@@ -211,6 +226,7 @@ pub fn prepare(recording: &Recording, how: &Preprocess) -> Result<Signals, Error
         force_full: Vec::new(),
         position,
         stretches,
+        places,
         rows: Rows { decimation: 1, ..Rows::default() },
         errors: Default::default(),
         faults,

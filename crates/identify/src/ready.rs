@@ -152,15 +152,6 @@ impl<'a> Ready<'a> {
         self.signals.condition(series)
     }
 
-    /// The velocity, not a number where it is not known.
-    pub fn known_velocity(&self) -> Vec<f64> {
-        let mut out = vec![f64::NAN; self.velocity.len()];
-        for range in self.signals.ranges() {
-            out[range.clone()].copy_from_slice(&self.velocity[range]);
-        }
-        out
-    }
-
     pub fn moves(&self) -> Moves {
         Moves::of(&self.signals.position, &self.velocity, self.dt)
     }

@@ -173,6 +173,17 @@ fn moved(n: usize) -> Recording {
     }
 }
 
+/// These samples of a recording, with neither velocity nor acceleration.
+fn samples(of: &Recording, which: &[usize]) -> Recording {
+    let pick = |column: &[f64]| which.iter().map(|i| column[*i]).collect();
+    Recording {
+        time: pick(&of.time),
+        position: pick(&of.position),
+        force: pick(&of.force),
+        ..Recording::default()
+    }
+}
+
 #[test]
 fn after_a_lost_sample_the_body_was_predicted_to_be_at_rest() {
     let whole = moved(3000);
@@ -180,15 +191,8 @@ fn after_a_lost_sample_the_body_was_predicted_to_be_at_rest() {
     // one sample of forty lost, now and then three: no stretch between them is long enough to be filtered; and a long gap
     let keep = |i: usize| i % 40 != 7 && !(i % 400 > 7 && i % 400 < 10) && !(2000..2050).contains(&i);
     let kept: Vec<usize> = (0..3000).filter(|i| keep(*i)).collect();
-    let pick = |column: &Vec<f64>| kept.iter().map(|i| column[*i]).collect::<Vec<f64>>();
-    let r = Recording {
-        time: pick(&whole.time),
-        position: pick(&whole.position),
-        force: pick(&whole.force),
-        ..Recording::default()
-    };
-    let predicted = rubber().predict(&r).unwrap();
-    let velocity = whole.velocity.unwrap();
+    let predicted = rubber().predict(&samples(&whole, &kept)).unwrap();
+    let velocity = whole.velocity.as_ref().unwrap();
     let mut worst = 0.0f64;
     for (i, p) in kept.iter().zip(&predicted).filter(|(i, _)| (100..1950).contains(*i)) {
         if velocity[*i].abs() > 0.02 {
@@ -201,14 +205,7 @@ fn after_a_lost_sample_the_body_was_predicted_to_be_at_rest() {
     let piece =
         |from: usize, to: usize| kept.iter().filter(|i| (from..to).contains(*i)).copied().collect::<Vec<_>>();
     let short: Vec<usize> = [piece(0, 1950), piece(1960, 1990), piece(2050, 3000)].concat();
-    let pick = |column: &Vec<f64>| short.iter().map(|i| column[*i]).collect::<Vec<f64>>();
-    let r = Recording {
-        time: pick(&whole.time),
-        position: pick(&whole.position),
-        force: pick(&whole.force),
-        ..Recording::default()
-    };
-    let predicted = rubber().predict(&r).unwrap();
+    let predicted = rubber().predict(&samples(&whole, &short)).unwrap();
     for (i, p) in short.iter().zip(&predicted) {
         assert_eq!(p.is_nan(), (1960..1990).contains(i), "sample {i}: {p}");
     }
