@@ -75,7 +75,7 @@ fn rig_with_block(bencher: Bencher, substeps: u32) {
     });
 }
 
-/// Drawing a 2 s recording with the noise of table 3-2 from an experiment simulated once.
+/// Drawing a 2 s recording with the noise of [thesis, table 3-2] from an experiment simulated once.
 #[divan::bench]
 fn thesis_recording(bencher: Bencher) {
     let experiment = plant::ThesisExperiment::on(&plant::materials::RUBBER).expect("printed parameters");

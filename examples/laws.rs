@@ -18,10 +18,14 @@ mod board {
     use core::hint::black_box;
     use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
     use cortex_m::peripheral::DWT;
+    use defmt_rtt as _;
     use embassy_stm32 as _;
     use friction::*;
+    // what copies the functions in CCM SRAM at the start
+    use tribos_firmware as _;
 
     /// What the test reads out of RAM.
+    #[used] // in one piece
     static LAW_CYCLES: [AtomicU32; COLUMNS * NAMES.len() + 1] =
         [const { AtomicU32::new(0) }; COLUMNS * NAMES.len() + 1];
     const STEPS: u32 = 1_500;

@@ -6,7 +6,7 @@
 //!        ◀──  (haptics)  ◀────── Request ──────         ◀──
 //! ```
 //!
-//! [`app`] has both sides, synchronous and without hardware; [`board`] has what they run on. The firmware's tasks and
+//! [`app`] has both sides, synchronous and without hardware. [`board`] has the hardware. The firmware's tasks and
 //! [`VirtualDevice`] only move bytes and time.
 #![cfg_attr(target_os = "none", no_std)]
 #![deny(unsafe_code)]

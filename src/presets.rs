@@ -1,14 +1,14 @@
-//! The items of [`link::PresetStore`] in a flash, by `sequential-storage`: what was saved outlives power, and power
-//! that goes in the middle of saving leaves the old item or the new one.
+//! Storage of [`link::PresetStore`] items in flash with `sequential-storage`. A power cut while saving leaves the old item or
+//! the new one.
 //!
 //! ```text
-//! page 0 … n-2   map of sequential-storage: items one behind the other, a full page is copied on and erased
+//! page 0 … n-2   map of sequential-storage: items in sequence; a full page is copied and erased
 //! page n-1       journal of erasures ([`Journaled`])
 //! ```
 //!
-//! `sequential-storage` takes care of items written in part. Three things of a real flash are taken care of here and by
-//! [`Journaled`]: an erasure that was cut short, after which any bit of the page may read 0 or 1; a double word that
-//! was cut short and has a wrong error-correcting code; and a flash that refuses.
+//! `sequential-storage` handles partially written items. This module and [`Journaled`] handle three more properties of real
+//! flash: an interrupted erasure, after which any bit may read 0 or 1; a torn double word with a wrong error-correcting code;
+//! and a flash that fails.
 
 mod journal;
 
@@ -21,30 +21,33 @@ use sequential_storage::Error;
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 
-/// Room for an item with its key, whole double words.
+/// Buffer for an item with its key, in whole double words.
 const BUFFER: usize = MAX_ITEM + 8;
 
 type Map<F> = MapStorage<u8, Journaled<F>, Cache<Uncached, Uncached, Uncached, u8>>;
 
-/// Why an item was not stored; what was stored before is still there.
+/// Reason why an item was not stored. Earlier items are unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotStored {
-    /// No room, whatever is erased.
+    /// No room, even after erasing.
     Full,
-    /// The flash refused to erase or program.
+    /// Erasing or programming failed.
     Refused,
-    /// There is no flash, or its contents make no sense.
+    /// No flash, or invalid contents.
     Unusable,
+    /// The flash of the chip is one bank.
+    SingleBank,
 }
 
 impl fmt::Display for NotStored {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Full => "the flash has no room left; `preset delete NAME` makes room",
-            Self::Refused => {
-                "the flash refused to be erased or programmed; what was saved before is still there"
+            Self::Full => "the flash is full; `preset delete NAME` makes room",
+            Self::Refused => "the flash could not be erased or programmed; earlier presets are unchanged",
+            Self::SingleBank => {
+                "option byte DBANK = 0: accepted 1, because writing a single bank would stall the control loop; set it with a programmer and restart. Presets last until then"
             }
-            Self::Unusable => "the flash for presets cannot be used; presets last until the device restarts",
+            Self::Unusable => "the flash for presets is unusable; presets last until the device restarts",
         })
     }
 }
@@ -61,17 +64,17 @@ impl<E> From<Error<E>> for NotStored {
     }
 }
 
-/// The items in a flash.
+/// Items in a flash.
 pub struct Library<F: Medium> {
     map: Map<F>,
 }
 
 impl<F: Medium> Library<F> {
-    /// Opens what the flash holds, and first finishes what power cut short. `each` gets every item that was stored, the
-    /// newest of a key last. Contents of which nothing can be read are erased.
+    /// Opens a flash and completes interrupted operations. `each` receives every stored item, the newest of a key last.
+    /// Unreadable contents are erased.
     ///
     /// # Errors
-    /// The flash cannot be read or refuses the repair, or is smaller than three pages.
+    /// The flash cannot be read or repaired, or is smaller than three pages.
     pub async fn open(flash: F, each: &mut dyn FnMut(u8, &[u8])) -> Result<Self, NotStored> {
         let mut flash = Journaled::new(flash);
         flash.recover().await.map_err(|_| NotStored::Refused)?;
@@ -79,7 +82,7 @@ impl<F: Medium> Library<F> {
         let mut library = Self { map: MapStorage::new(flash, config, Cache::new_uncached()) };
         match library.load(each).await {
             Ok(()) => {}
-            // nothing of ours, and nothing to be read of it: what another firmware has left
+            // unreadable: left by another firmware
             Err(NotStored::Unusable) => library.map.erase_all().await?,
             Err(why) => return Err(why),
         }
@@ -95,22 +98,22 @@ impl<F: Medium> Library<F> {
         Ok(())
     }
 
-    /// Stores an item, at most [`MAX_ITEM`] bytes; an earlier one of that key is replaced.
+    /// Stores an item of at most [`MAX_ITEM`] bytes, replacing an earlier one with its key.
     ///
     /// # Errors
-    /// There is no room, or the flash refuses; the earlier item is still there.
+    /// No room, or the flash fails. The earlier item is unchanged.
     pub async fn store(&mut self, key: u8, item: &[u8]) -> Result<(), NotStored> {
         let mut buffer = [0; BUFFER];
         Ok(self.map.store_item(&mut buffer, &key, &item).await?)
     }
 
-    /// Gives the flash back.
+    /// Returns the flash.
     pub fn close(self) -> F {
         self.map.destroy().0.into_inner()
     }
 }
 
-/// A flash that refused.
+/// A failed flash operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Refused;
 

@@ -1,5 +1,5 @@
-//! The virtual device on a PC: the firmware application on the simulated rig, in real time, its console on standard
-//! input and on a pseudo-terminal.
+//! The virtual device on a PC: the firmware application on the simulated rig in real time, with its console on standard input
+//! and on a pseudo-terminal.
 
 mod plain;
 mod pty;
@@ -23,7 +23,7 @@ The tribos firmware on a simulated rig: commands on standard input, and on a pse
 
 `help` lists the commands of the device. `cargo tribos demo` tells the whole story.";
 
-/// Longest time that is caught up after the machine was busy; what is beyond passes without the device.
+/// Longest time to catch up after the PC was busy. The rest is skipped.
 const CATCH_UP: Duration = Duration::from_millis(250);
 
 pub fn main() -> ExitCode {
@@ -35,8 +35,8 @@ pub fn main() -> ExitCode {
             return ExitCode::SUCCESS;
         }
         ["--presets", file] => SimulatedFlash::open(Path::new(file)).map_err(|e| format!("{file}: {e}")),
-        ["--presets"] => Err("--presets: the name of a file is missing".to_owned()),
-        [other, ..] => Err(format!("`{other}`: accepted is no argument, --presets FILE, or --help")),
+        ["--presets"] => Err("--presets: missing file name".to_owned()),
+        [other, ..] => Err(format!("`{other}`: expected no argument, --presets FILE, or --help")),
     };
     let device = flash.and_then(|flash| {
         VirtualDevice::with_flash(&VirtualConfig::default(), flash).map_err(|unfit| unfit.to_string())
@@ -51,7 +51,7 @@ pub fn main() -> ExitCode {
     let pty = Pty::open();
     let serial_line = match &pty {
         Ok(pty) => format!("serial line {}   (cargo tribos connect {})", pty.name(), pty.name()),
-        Err(why) => format!("no serial line besides this console: {why}"),
+        Err(why) => format!("no serial line: {why}"),
     };
     let running = Running::new(device, pty.ok());
     let ended = if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
@@ -60,7 +60,7 @@ pub fn main() -> ExitCode {
         plain::run(running, &serial_line)
     };
     match ended {
-        // who reads has gone away: nothing is wrong here
+        // the reader has gone away, which is no error
         Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(e) => {
             eprintln!("the console is gone: {e}");
@@ -78,7 +78,7 @@ struct Running {
     bytes: Vec<u8>,
     lines: Vec<String>,
     period: Duration,
-    /// When the next control period is due.
+    /// Time of the next control period.
     due: Instant,
 }
 
@@ -89,7 +89,7 @@ impl Running {
         Self { device, pty, decoder, bytes, lines, period, due: Instant::now() }
     }
 
-    /// Lets the device live until now; returns the lines it said.
+    /// Advances the device to the present time. Returns its lines.
     fn live(&mut self) -> Vec<String> {
         let now = Instant::now();
         if now.saturating_duration_since(self.due) > CATCH_UP {
@@ -108,13 +108,13 @@ impl Running {
         std::mem::take(&mut self.lines)
     }
 
-    /// Obeys a command as fast as it can be; returns the lines said until the device was quiet.
+    /// Executes a command as fast as possible. Returns the lines until the device is quiet.
     fn obey(&mut self, line: &[u8]) -> Vec<String> {
         self.device.write(line);
         if !line.ends_with(b"\n") {
             self.device.write(b"\n");
         }
-        // a self-test takes half a second; nothing that is answered takes longer
+        // a self-test takes half a second, the longest of all commands
         for _ in 0..5_000 {
             self.tick();
             self.carry();
@@ -130,7 +130,7 @@ impl Running {
         self.device.read(&mut self.bytes);
     }
 
-    /// Bytes to the pseudo-terminal, lines to the console.
+    /// Sends bytes to the pseudo-terminal and lines to the console.
     fn carry(&mut self) {
         if let Some(pty) = &mut self.pty {
             pty.send(&self.bytes);

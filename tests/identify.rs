@@ -40,27 +40,35 @@ fn identify(material: &Material, seed: u64) -> String {
 }
 
 #[test]
-fn what_the_device_identifies_is_within_the_deviations_it_tells() {
-    let seeds = 20;
+fn identification_scatter_matches_its_standard_errors() {
+    let seeds = 200;
     for material in [&BRASS, &TEFLON, &RUBBER] {
-        let truth = truth(material);
-        let lines: Vec<String> = (1..=seeds).map(|seed| identify(material, seed)).collect();
-        println!("{}: {}", material.name, lines[0]);
-        let found: Vec<_> = lines.iter().map(|line| read(line)).collect();
+        // the motion repeats itself, so one Δv lies in the same gap between two samples in every run: they are spread.
+        // below 4 mm/s a handle passes it between two samples, and D is often not seen
+        let draw = |seed: u64| {
+            let mut drawn = *material;
+            drawn.law.delta_v = 0.004 + 0.006 * (seed as f64 - 0.5) / seeds as f64;
+            (identify(&drawn, seed), truth(&drawn))
+        };
+        let runs: Vec<_> = (1..=seeds).map(draw).collect();
+        println!("{}: {}", material.name, runs[0].0);
+        let found: Vec<_> = runs.iter().map(|(line, truth)| (read(line), truth)).collect();
         for (k, name) in NAMES.iter().enumerate() {
-            let pulls: Vec<f64> =
-                found.iter().filter_map(|f| f[k]).map(|(value, std)| (value - truth[k]) / std).collect();
+            let pulls: Vec<f64> = found
+                .iter()
+                .filter_map(|(f, truth)| f[k].map(|(value, std)| (value - truth[k]) / std))
+                .collect();
             let n = pulls.len() as f64;
             let mean = pulls.iter().sum::<f64>() / n;
             let rms = (pulls.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
-            let worst = pulls.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let within = pulls.iter().filter(|x| x.abs() < 1.96).count() as f64 / n;
             println!(
-                "  {name:5} truth {:8.4}; {n} runs off by, in told deviations: mean {mean:+.2}, rms {rms:.2}, worst {worst:.2}",
-                truth[k],
+                "  {name:5} {n} of {seeds} runs, errors in standard errors: mean {mean:+.2}, rms {rms:.2}, {:.1} % within 95 %",
+                100.0 * within
             );
-            assert!(pulls.len() >= 18, "{name} was not seen");
-            // 20 draws: beyond 3.5 once in 100 such rows; dv is a band, and its error is uniform
-            assert!(worst < 3.5 && rms < if *name == "dv" { 2.0 } else { 1.5 }, "{name}");
+            assert!(n >= 0.9 * seeds as f64, "{name} was not seen");
+            // a bias of up to 0.8 standard errors is left, in C_n and b_n of rubber
+            assert!(mean.abs() < 1.0 && rms < 1.5 && within > 0.8, "{name}");
         }
     }
 }

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use tribos_firmware::board::simulated::flash::{BYTES, PAGE, SimulatedFlash};
 use tribos_firmware::presets::{Library, Medium, NotStored, Refused};
 
-/// Steele et al. 2014, SplitMix64.
+/// SplitMix64 [steele-2014].
 #[derive(Clone)]
 struct Random(u64);
 
@@ -234,7 +234,7 @@ impl Medium for &mut Cut {
 }
 
 #[test]
-fn power_cut_at_any_operation_leaves_the_old_items_or_the_new_ones() {
+fn power_cuts_leave_old_or_new_items() {
     println!("seed  saves  operations cut  old found  new found");
     for seed in 1..=2 {
         let saves = 400;
@@ -246,7 +246,7 @@ fn power_cut_at_any_operation_leaves_the_old_items_or_the_new_ones() {
 }
 
 #[test]
-fn every_page_wears_alike_and_the_journal_is_erased_when_it_is_full() {
+fn pages_wear_evenly() {
     let mut library = open(Cut::new(1)).expect("an erased flash");
     for save in 0..8_000_u32 {
         block_on(library.store((save % 9) as u8, &[save as u8; 250])).expect("room");
@@ -259,7 +259,7 @@ fn every_page_wears_alike_and_the_journal_is_erased_when_it_is_full() {
 }
 
 #[test]
-fn a_flash_that_refuses_is_told_of_and_keeps_what_it_has() {
+fn a_failed_flash_keeps_its_contents() {
     let mut library = open(Cut::new(1)).expect("an erased flash");
     block_on(library.store(1, b"kept")).expect("room");
     let mut dead = open(library.close().powered(0, 1)).expect("nothing to repair");
@@ -268,7 +268,7 @@ fn a_flash_that_refuses_is_told_of_and_keeps_what_it_has() {
 }
 
 #[test]
-fn garbage_in_the_flash_is_no_panic_and_can_be_saved_over_or_is_refused() {
+fn garbage_in_flash_causes_no_panic() {
     let mut random = Random(7);
     let (mut taken, mut refused) = (0, 0);
     for round in 0..300 {

@@ -71,7 +71,7 @@ fn listen(
 }
 
 #[test]
-fn ten_seconds_at_one_kilohertz_without_a_lost_frame_under_garbage() {
+fn garbage_loses_no_frame() {
     let (_program, mut port) = start();
     port.write_all(b"preset use rubber\nrender on\nstream on\n").expect("the line");
     let (mut seqs, mut corrupt, mut answers, mut dropped) = (Vec::new(), 0, Vec::new(), u32::MAX);
@@ -104,7 +104,7 @@ fn ten_seconds_at_one_kilohertz_without_a_lost_frame_under_garbage() {
         ("err NOT_TEXT: byte 0xff in column 1", 20),
         ("err VALUE: dv = `NaN`", 20),
         ("err TOO_LONG: ", 20),
-        // table 3-3, unchanged by all that
+        // unchanged value of [thesis, table 3-3]
         ("ok f_static_p 3.8513 N", 20),
     ] {
         println!("{:3} × {start}", count(start));
@@ -114,7 +114,7 @@ fn ten_seconds_at_one_kilohertz_without_a_lost_frame_under_garbage() {
 }
 
 #[test]
-fn a_second_host_finds_the_line_free_and_no_old_answers() {
+fn a_second_host_sees_no_old_answers() {
     let (_program, mut port) = start();
     let name = port.name().expect("a name");
     port.write_all(b"version\n").expect("the line");
@@ -129,7 +129,7 @@ fn a_second_host_finds_the_line_free_and_no_old_answers() {
 }
 
 #[test]
-fn piped_commands_are_answered_and_the_end_of_input_ends_it() {
+fn piped_commands_are_answered() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_tribos-firmware"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

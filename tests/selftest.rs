@@ -60,17 +60,17 @@ fn failed(lines: &[String]) -> Vec<&str> {
 }
 
 #[test]
-fn each_mistake_of_wiring_fails_its_own_check_and_no_other() {
+fn each_wiring_error_fails_only_its_check() {
     for block in ["none", "brass", "teflon", "rubber"] {
         for (wire, expected, advice) in [
             ("amplifier right", vec![], ""),
             ("encoder swapped", vec!["encoder"], "exchange its channels A and B"),
             ("load swapped", vec!["load cell"], "exchange its two signal wires"),
-            ("load dead", vec!["load cell"], "is it connected?"),
-            ("accel swapped", vec!["accelerometer"], "turn it round"),
-            ("accel dead", vec!["accelerometer"], "is it connected?"),
+            ("load dead", vec!["load cell"], "check the connection"),
+            ("accel swapped", vec!["accelerometer"], "reverse its orientation"),
+            ("accel dead", vec!["accelerometer"], "check the connection"),
             ("amplifier dead", vec!["amplifier"], "check enable, supply and motor wires"),
-            ("amplifier swapped", vec!["amplifier"], "exchange the motor's wires"),
+            ("amplifier swapped", vec!["amplifier"], "exchange the motor wires"),
         ] {
             let rig =
                 RigConfig { device_friction_p: 1.04, device_friction_n: 0.69, ..RigConfig::free_handle() };
@@ -97,13 +97,13 @@ fn a_dead_encoder_ends_the_push_by_its_fault() {
     let lines = bench.ask("selftest");
     println!("{}", lines.join("\n"));
     assert_eq!(failed(&lines), ["encoder"]);
-    assert!(lines[2].ends_with("counts nothing of the push; check its cable and supply"), "{lines:?}");
+    assert!(lines[2].ends_with("counts no push; check its cable and supply"), "{lines:?}");
     assert!(bench.say("fault").starts_with("ok encoder_silent"));
     assert!(!bench.device.outputs().amplifier);
 }
 
 #[test]
-fn a_handle_that_is_held_or_near_its_end_is_left_alone() {
+fn a_held_handle_is_not_pushed() {
     let mut bench = Bench::new(RigConfig::free_handle(), 3);
     bench.device.hold(Holder::Hand(plant::HandImpedance {
         mass: 0.5,
@@ -114,7 +114,7 @@ fn a_handle_that_is_held_or_near_its_end_is_left_alone() {
     let lines = bench.ask("selftest");
     println!("{}", lines.join("\n"));
     assert_eq!(failed(&lines), ["amplifier"]);
-    assert!(lines[5].contains("handle held or blocked: let go"), "{lines:?}");
+    assert!(lines[5].contains("handle held or blocked: release it"), "{lines:?}");
     assert!(!bench.device.outputs().amplifier && bench.device.outputs().fault.is_none());
     let mut bench = Bench::new(RigConfig { start_position: 0.0140, ..RigConfig::free_handle() }, 3);
     // the count begins at the start position: the device knows where it is
@@ -141,7 +141,7 @@ fn a_rig_that_is_right_passes_with_every_seed() {
 }
 
 #[test]
-fn weights_find_gain_and_zero_of_the_load_cell_and_the_loop_uses_them_at_once() {
+fn weights_calibrate_the_load_cell() {
     let free = RigConfig::free_handle();
     let load = Sensor { gain: 1.08, offset: 0.9, ..free.load };
     let accel = Sensor { gain: 0.94, offset: -3.0, ..free.accel };
@@ -160,7 +160,7 @@ fn weights_find_gain_and_zero_of_the_load_cell_and_the_loop_uses_them_at_once() 
     bench.say("sim tilt level");
     let saved = bench.say("calibrate save");
     println!("{saved}");
-    assert!(saved.starts_with("ok calibrate, until the device restarts; load: "), "{saved}");
+    assert!(saved.starts_with("ok calibrate; lasts until the device restarts; load: "), "{saved}");
     let device = bench.device.device();
     let gain = |after: &str| -> f64 {
         let text = saved.split(after).nth(1).and_then(|rest| rest.split_whitespace().next());
@@ -184,17 +184,17 @@ fn weights_find_gain_and_zero_of_the_load_cell_and_the_loop_uses_them_at_once() 
 }
 
 #[test]
-fn points_that_are_no_calibration_are_refused_with_what_would_be_accepted() {
+fn bad_calibration_points_are_refused() {
     let mut bench = Bench::new(RigConfig::free_handle(), 5);
     let refuse = |bench: &mut Bench, command: &str, expected: &str| {
         let answer = bench.say(command);
         println!("{command:<28} {answer}");
         assert!(answer.starts_with(&format!("err {expected}")), "{command}: {answer}");
     };
-    refuse(&mut bench, "calibrate", "SYNTAX: a word is missing");
-    refuse(&mut bench, "calibrate load", "SYNTAX: a word is missing");
+    refuse(&mut bench, "calibrate", "SYNTAX: missing word");
+    refuse(&mut bench, "calibrate load", "SYNTAX: missing word");
     refuse(&mut bench, "calibrate load NaN", "VALUE: VALUE = `NaN`");
-    refuse(&mut bench, "calibrate save", "CALIBRATION: load: two points with different values");
+    refuse(&mut bench, "calibrate save", "CALIBRATION: load: needs two points with different values");
     bench.say("calibrate load 0");
     refuse(&mut bench, "calibrate load 5", "EQUAL: code 32");
     // a weight of 5 N told to be 10
@@ -205,7 +205,7 @@ fn points_that_are_no_calibration_are_refused_with_what_would_be_accepted() {
     bench.say("calibrate load -5");
     bench.say("sim hang 0");
     bench.say("calibrate load 0");
-    refuse(&mut bench, "calibrate save", "CALIBRATION: load: the code falls while the value grows");
+    refuse(&mut bench, "calibrate save", "CALIBRATION: load: the code falls as the value rises");
     bench.say("calibrate discard");
     for (hung, told) in [("0", "0"), ("5", "5"), ("10", "11")] {
         bench.say(&format!("sim hang {hung}"));
@@ -215,7 +215,7 @@ fn points_that_are_no_calibration_are_refused_with_what_would_be_accepted() {
     bench.say("calibrate discard");
     bench.say("sim hang 0");
     bench.device.hold(Holder::to_and_fro(0.005, 1.0));
-    refuse(&mut bench, "calibrate load 0", "NOT_AT_REST: the handle moved ");
+    refuse(&mut bench, "calibrate load 0", "NOT_AT_REST: the handle moved by ");
     bench.device.hold(Holder::Nobody);
     bench.say("sim wire load dead");
     bench.run(500);
@@ -223,5 +223,5 @@ fn points_that_are_no_calibration_are_refused_with_what_would_be_accepted() {
     bench.say("render on");
     refuse(&mut bench, "calibrate load 0", "BUSY: ");
     // nothing was taken over
-    assert!(bench.say("calibrate status").contains("load: 0.0013574 N a code, zero at 32768.0"));
+    assert!(bench.say("calibrate status").contains("load: 0.0013574 N per code, zero at 32768.0"));
 }

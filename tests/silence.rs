@@ -98,7 +98,7 @@ fn device(rig: RigConfig, seed: u64) -> VirtualDevice {
 }
 
 #[test]
-fn no_hand_on_any_preset_is_taken_for_a_dead_encoder() {
+fn hands_on_presets_are_no_dead_encoder() {
     for (rig_name, rig) in rigs() {
         let (mut worst, mut at, mut runs) = (0.0_f32, String::new(), 0);
         for preset in ["brass", "teflon", "rubber", "viscous"] {
@@ -124,7 +124,7 @@ fn no_hand_on_any_preset_is_taken_for_a_dead_encoder() {
 }
 
 #[test]
-fn no_motion_of_any_block_is_taken_for_a_dead_encoder() {
+fn block_motion_is_no_dead_encoder() {
     for (rig_name, rig) in rigs() {
         let (mut worst, mut at, mut runs) = (0.0_f32, String::new(), 0);
         for block in ["none", "brass", "teflon", "rubber"] {
@@ -158,7 +158,7 @@ fn no_motion_of_any_block_is_taken_for_a_dead_encoder() {
 }
 
 #[test]
-fn a_motion_begun_with_the_first_samples_is_not_taken_for_a_dead_encoder() {
+fn early_motion_is_no_dead_encoder() {
     // the offsets of the sensors were once summed up as motion until they were learned
     let mut worst = 0.0_f32;
     for (_, rig) in rigs() {
@@ -175,7 +175,7 @@ fn a_motion_begun_with_the_first_samples_is_not_taken_for_a_dead_encoder() {
 }
 
 #[test]
-fn a_stuck_block_pressed_for_a_minute_is_no_dead_encoder() {
+fn a_pressed_block_is_no_dead_encoder() {
     let (_, rig) = rigs().swap_remove(3);
     let mut device = device(rig, 5);
     say(&mut device, "preset use rubber");

@@ -1,54 +1,57 @@
-//! What is said when the control loop has obeyed a request, and how single answers are worded.
+//! Answers to requests that the control loop has handled, and the wording of single answers.
 
 use super::Telemetry;
 use super::calibrate::{Fits, describe};
 use core::fmt::{self, Write};
+use friction::Unit;
 use haptics::number::Text;
-use haptics::{Denied, Device, Excitation, FaultKind, Identified, Settings, Warning};
+use haptics::{Denied, Device, Excitation, FaultKind, Identified, ModeId, Settings, Warning};
 use heapless::String;
 use link::{Name, Sensor};
 
 /// Longest line of an answer, bytes.
 pub(super) const LINE: usize = 480;
-/// A line being written. What does not fit is cut.
+/// A line being written. Truncated at its capacity.
 pub(super) type Line = String<LINE>;
 
-/// What a request that is under way will change and say once it is obeyed.
+/// Pending change and answer of a request to the control loop.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub(super) enum Pending {
-    /// New settings; under the name of a preset, or a parameter was set.
+    /// New settings: a preset, or one changed parameter.
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
-    /// A calibration: the device with its channels, and what is said of them.
+    /// A calibration: the device with its channels, and their description.
     Calibrated(Device, Fits),
-    /// The push of the self-test: it says nothing itself.
+    /// The push of the self-test, which has no answer of its own.
     Push,
-    /// Another control rate: the device with its period.
+    /// A new control rate: the device with its period.
     Rate(Device),
     /// `render`
     Render(bool),
-    /// `move`, and for how long the host may be silent, s
+    /// `move`, with the longest silence of the host, s
     Move(Excitation, f32),
-    /// `identify`, its length in s
+    /// `identify`, with its length, s
     Identify(f32),
     /// `stop`
     Stop,
+    /// `off`
+    Off,
     /// `clear`
     Clear,
 }
 
-/// What the new settings are called.
+/// Name of the new settings.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Named {
     /// A preset.
     Preset(Name),
-    /// A parameter of the present ones: name as typed, cut to what is known.
+    /// A parameter of the present settings.
     Parameter(String<48>),
 }
 
 impl Pending {
-    /// The `ok` line.
-    pub fn write(&self, out: &mut Line) -> fmt::Result {
+    /// The `ok` line. `during` is the mode before the request.
+    pub fn write(&self, during: ModeId, out: &mut Line) -> fmt::Result {
         match self {
             Self::Settings { settings, name, warning } => {
                 out.write_str("ok ")?;
@@ -61,7 +64,7 @@ impl Pending {
                 }
             }
             Self::Calibrated(device, fits) => {
-                out.write_str("ok calibrate, until the device restarts")?;
+                out.write_str("ok calibrate; lasts until the device restarts")?;
                 describe(Sensor::Load, &device.load, fits[0].as_ref(), out)?;
                 describe(Sensor::Accel, &device.accel, fits[1].as_ref(), out)
             }
@@ -85,15 +88,37 @@ impl Pending {
                 let seconds = Text(*seconds);
                 write!(out, "ok identify: {seconds:.0} s of motion, hands off; the result follows")
             }
-            Self::Stop => out.write_str("ok stop"),
+            Self::Stop => write!(out, "ok stop: {}", stopped(during)),
+            Self::Off => write!(out, "ok off: {}", switched_off(during)),
             Self::Clear => out.write_str("ok clear"),
         }
     }
 }
 
+/// What `stop` did.
+fn stopped(during: ModeId) -> &'static str {
+    match during {
+        ModeId::Idle => "nothing was running",
+        ModeId::Rendering => "rendering has ended, the amplifier is off",
+        ModeId::Exciting | ModeId::Identifying => "the motion ramps out within 0.6 s",
+        ModeId::Fault => "the amplifier is off already, by a fault",
+    }
+}
+
+/// What `off` did.
+fn switched_off(during: ModeId) -> &'static str {
+    match during {
+        ModeId::Idle => "the amplifier is off, nothing was running",
+        ModeId::Rendering => "the amplifier is off, rendering has ended",
+        ModeId::Exciting => "the amplifier is off, the motion has ended",
+        ModeId::Identifying => "the amplifier is off, the identification has ended without a result",
+        ModeId::Fault => "the amplifier is off already, by a fault",
+    }
+}
+
 /// `dv 0.007 m/s`
 pub(super) fn value(settings: &Settings, name: &str, out: &mut Line) -> fmt::Result {
-    let unit = unit(name).filter(|unit| *unit != "-");
+    let unit = unit(name);
     match (settings.get(name), unit) {
         (Some(value), Some(unit)) => write!(out, "{name} {value} {unit}"),
         (Some(value), None) => write!(out, "{name} {value}"),
@@ -101,19 +126,20 @@ pub(super) fn value(settings: &Settings, name: &str, out: &mut Line) -> fmt::Res
     }
 }
 
-fn unit(name: &str) -> Option<&'static str> {
+fn unit(name: &str) -> Option<Unit> {
+    use friction::Geometry::Linear;
     use friction::effects::EffectKind;
     use haptics::settings::{ALIASES, PARAMETERS};
     if let Some((id, parameter)) = name.split_once('.') {
         let kind = EffectKind::from_id(id)?;
-        return kind.gains().iter().chain(kind.shape()).find(|p| p.name == parameter).map(|p| p.unit);
+        return kind.gains().iter().chain(kind.shape()).find(|p| p.name == parameter).map(|p| p.unit(Linear));
     }
-    PARAMETERS.iter().chain(ALIASES).find(|p| p.name == name).map(|p| p.unit)
+    PARAMETERS.iter().chain(ALIASES).find(|p| p.name == name)?.unit()
 }
 
 /// `err CODE: why`
 pub(super) fn err(code: &str, why: impl fmt::Display, out: &mut Line) {
-    // a line that is too long is cut; nothing else can fail
+    // a long line is truncated; nothing else can fail
     let _ = out.write_str("err ");
     for c in code.chars() {
         let _ = out.push(c.to_ascii_uppercase());
@@ -131,7 +157,7 @@ pub(super) fn denied(why: Denied, fault: Option<FaultKind>, out: &mut Line) {
     }
 }
 
-/// `status` without its head.
+/// `status` without its first word.
 pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Result {
     let o = &t.outputs;
     let load = Text(device.load.to_si(t.inputs.load_code));

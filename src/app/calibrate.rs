@@ -1,7 +1,7 @@
-//! Calibration of an analogue channel with known values: weights hung on the load cell, gravity on the accelerometer.
+//! Calibration of an analogue channel with known values: weights on the load cell, gravity on the accelerometer.
 //!
-//! Each `calibrate load|accel VALUE` averages half a second at rest into a point. `calibrate save` puts a line through
-//! the points, code = offset + VALUE / gain, by least squares, and refuses one that no sensor of this device can have.
+//! Each `calibrate load|accel VALUE` averages half a second at rest into a point. `calibrate save` fits a line to the points,
+//! code = offset + VALUE / gain, by least squares, and refuses an implausible one.
 
 use super::Telemetry;
 use super::answer::{Line, err};
@@ -11,31 +11,31 @@ use haptics::{Channel, Device};
 use heapless::Vec;
 use link::Sensor;
 
-/// Control periods in a point.
+/// Control periods per point.
 const PERIODS: u32 = 500;
-/// Most points of a channel.
+/// Largest number of points per channel.
 const POINTS: usize = 8;
-/// Counts the handle may move.
+/// Largest motion of the handle, counts.
 const STILL: u32 = 2;
-/// Spread of the codes that is no rest: 3 % of the scale.
+/// Smallest spread of the codes that is not rest: 3 % of the scale.
 const NOISY: u16 = 2_000;
-/// Codes that two points must be apart: a hundredth of the scale would do, this is ten times the noise of a mean.
+/// Smallest distance of two points, codes: ten times the noise of a mean.
 const APART: u16 = 100;
-/// How far a gain may be from the data sheet's, share.
+/// Largest relative deviation of a gain from the data sheet.
 const GAIN: f32 = 0.2;
-/// How far the code of zero may be from the data sheet's.
+/// Largest deviation of the code of zero from the data sheet, codes.
 const OFFSET: f32 = 8_000.0;
-/// How far a point may be off the line, share of what the points span.
+/// Largest deviation of a point from the line, as a share of the span of the points.
 const STRAIGHT: f32 = 0.01;
 
-/// A value and the mean code at it.
+/// A value with its mean code.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
     value: f32,
     code: f32,
 }
 
-/// The average that is being taken.
+/// A running average.
 #[derive(Debug, Clone, Copy)]
 struct Average {
     sensor: Sensor,
@@ -48,7 +48,7 @@ struct Average {
     travel: u32,
 }
 
-/// Points taken and not yet used.
+/// Points that are not yet saved.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Calibration {
     load: Vec<Point, POINTS>,
@@ -56,19 +56,19 @@ pub(super) struct Calibration {
     taking: Option<Average>,
 }
 
-/// A channel as the points give it.
+/// A channel fitted to points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fit {
     channel: Channel,
     points: usize,
-    /// Farthest of a point from the line, codes.
+    /// Largest deviation of a point from the line, codes.
     residual: f32,
 }
 
-/// Of load cell and accelerometer, where points were taken.
+/// Fits of load cell and accelerometer, if they have points.
 pub(super) type Fits = [Option<Fit>; 2];
 
-/// Why points are no calibration.
+/// Reason why points are not a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unfit {
     Few,
@@ -82,39 +82,36 @@ impl fmt::Display for Unfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Few => {
-                f.write_str("two points with different values are needed, e.g. nothing and a weight")
+                f.write_str("needs two points with different values, for example no weight and a weight")
             }
             Self::Backwards => f.write_str(
-                "the code falls while the value grows: exchange the signal wires, or the sign of the values",
+                "the code falls as the value rises: exchange the signal wires, or the sign of the values",
             ),
             Self::Gain { found, nominal } => {
                 let found = Text(found);
                 let (low, high) = (Text((1.0 - GAIN) * nominal), Text((1.0 + GAIN) * nominal));
-                write!(
-                    f,
-                    "gain {found:.7} a code: accepted from {low:.7} to {high:.7}; are the values right?"
-                )
+                write!(f, "gain {found:.7} per code: accepted from {low:.7} to {high:.7}; check the values")
             }
             Self::Offset { found, nominal } => {
                 let found = Text(found);
                 let (low, high) = (Text(nominal - OFFSET), Text(nominal + OFFSET));
                 write!(
                     f,
-                    "zero at code {found:.0}: accepted from {low:.0} to {high:.0}; is something left on it?"
+                    "zero at code {found:.0}: accepted from {low:.0} to {high:.0}; check that nothing loads the sensor"
                 )
             }
             Self::Crooked { value, off, most } => {
                 let (value, off, most) = (Text(value), Text(off), Text(most));
                 write!(
                     f,
-                    "the point at {value} is {off:.0} codes off the line: accepted up to {most:.0}; `calibrate discard`, take them again"
+                    "the point at {value} is {off:.0} codes off the line: accepted up to {most:.0}; `calibrate discard` and repeat"
                 )
             }
         }
     }
 }
 
-/// The line through some points. One point with a gain that is believed gives the offset.
+/// Line through points. One point with a trusted gain gives the offset.
 fn fit(points: &[Point], nominal: &Channel, one_will_do: bool) -> Result<Fit, Unfit> {
     let count = points.len() as f32;
     let mean = |of: fn(&Point) -> f32| points.iter().map(of).sum::<f32>() / count;
@@ -154,12 +151,12 @@ fn fit(points: &[Point], nominal: &Channel, one_will_do: bool) -> Result<Fit, Un
 }
 
 impl Calibration {
-    /// A point is being taken.
+    /// Whether a point is being measured.
     pub fn is_taking(&self) -> bool {
         self.taking.is_some()
     }
 
-    /// Begins a point.
+    /// Starts the measurement of a point.
     pub fn begin(&mut self, sensor: Sensor, value: f32) {
         self.taking = Some(Average {
             sensor,
@@ -173,13 +170,13 @@ impl Calibration {
         });
     }
 
-    /// Forgets all points.
+    /// Discards all points.
     pub fn discard(&mut self) {
         self.load.clear();
         self.accel.clear();
     }
 
-    /// One control period; the answer when a point is complete.
+    /// One control period. Returns the answer once a point is complete.
     pub fn take(&mut self, t: &Telemetry, device: &Device) -> Option<Line> {
         let average = self.taking.as_mut()?;
         let code = match average.sensor {
@@ -216,28 +213,28 @@ impl Calibration {
             Sensor::Accel => &mut self.accel,
         };
         let top = 65_520_u16.saturating_sub(device.rail_codes);
-        // what does not fit is cut
+        // a long line is truncated
         let (refusal, _) = if average.travel > STILL {
             (
                 "NOT_AT_REST",
-                write!(out, "the handle moved {} counts: accepted are {STILL}; lock it", average.travel),
+                write!(out, "the handle moved by {} counts: accepted up to {STILL}; lock it", average.travel),
             )
         } else if average.lowest < device.rail_codes || average.highest > top {
             (
                 "SENSOR_RAIL",
                 write!(
                     out,
-                    "codes {} to {}: accepted from {} to {top}; too heavy, or its cable",
+                    "codes {} to {}: accepted from {} to {top}; check load and cable",
                     average.lowest, average.highest, device.rail_codes
                 ),
             )
         } else if span > NOISY {
             (
                 "NOISY",
-                write!(out, "codes spread over {span}: accepted up to {NOISY}; wait until it hangs still"),
+                write!(out, "codes spread over {span}: accepted up to {NOISY}; wait until the load rests"),
             )
         } else if span == 0 {
-            ("DEAD", write!(out, "code {:.0} without any noise: is it connected?", Text(code)))
+            ("DEAD", write!(out, "code {:.0} without any noise: check the connection", Text(code)))
         } else if let Some(same) =
             points.iter().find(|p| (p.code - code).abs() < f32::from(APART) && p.value != value)
         {
@@ -245,17 +242,18 @@ impl Calibration {
                 "EQUAL",
                 write!(
                     out,
-                    "code {:.0} as at {}: accepted is one {APART} codes away; did the load change?",
+                    "code {:.0} as at {}: accepted at a distance of {APART} codes; check that the load changed",
                     Text(code),
                     Text(same.value)
                 ),
             )
         } else {
-            // the same value again replaces it
+            // a repeated value replaces the point
             points.retain(|p| p.value != value);
             let (name, unit) = (average.sensor.id(), average.sensor.unit());
             if points.push(Point { value, code }).is_err() {
-                let _ = write!(out, "{POINTS} points are taken: `calibrate save` or `calibrate discard`");
+                let _ =
+                    write!(out, "all {POINTS} points are in use: `calibrate save` or `calibrate discard`");
                 return Err("FULL");
             }
             let _ = write!(
@@ -270,7 +268,7 @@ impl Calibration {
         Err(refusal)
     }
 
-    /// The device with what the points say, and what is to be told of it.
+    /// The device with the calibration of the points, and its description.
     pub fn fit(&self, device: &Device, nominal: &Device) -> Result<(Device, Fits), (Sensor, Unfit)> {
         let mut calibrated = *device;
         let mut fits = [None; 2];
@@ -290,11 +288,11 @@ impl Calibration {
     }
 }
 
-/// `; load: 0.0013574 N a code, zero at 32768.0, 2 points within 0.0 codes`
+/// `; load: 0.0013574 N per code, zero at 32768.0, 2 points within 0.0 codes`
 pub(super) fn describe(sensor: Sensor, channel: &Channel, fit: Option<&Fit>, out: &mut Line) -> fmt::Result {
     let (name, unit) = (sensor.id(), sensor.unit());
     let (gain, zero) = (Text(channel.unit_per_code), Text(channel.offset_code));
-    write!(out, "; {name}: {gain:.7} {unit} a code, zero at {zero:.1}")?;
+    write!(out, "; {name}: {gain:.7} {unit} per code, zero at {zero:.1}")?;
     match fit {
         Some(fit) => write!(out, ", {} points within {:.1} codes", fit.points, Text(fit.residual)),
         None => Ok(()),

@@ -1,26 +1,28 @@
-//! The interrupt's side.
+//! The application in the control interrupt.
 
-use super::{ControlEnds, FaultReport, Telemetry};
+use super::{ControlEnds, FaultReport, Handled, Telemetry};
 use haptics::streaming_identify::NUMBERS;
-use haptics::{Config, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
+use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
 
-/// The control step with its queues. Never blocks: what finds no room is not sent, and a gap in the step numbers of
-/// the telemetry shows it.
+/// The control step with its queues. Never blocks: telemetry that finds no room is dropped, which shows as a gap in the step
+/// numbers.
 pub struct ControlLoop {
-    /// In use until another came through the queue.
+    /// Configuration until the first one arrives through the queue.
     first: Config,
-    /// The first of the queue is in use.
+    /// Whether the first configuration of the queue is in use.
     replaced: bool,
     period_ticks: u32,
     state: State,
     step: u32,
     mode: ModeId,
-    /// Numbers of a completed identification that are still to be told.
+    /// Numbers of a completed identification that are still to be sent.
     numbers: u16,
+    /// Waiting requests that `off` overtook.
+    overtaken: usize,
 }
 
 impl ControlLoop {
-    /// At rest, force off.
+    /// A loop at rest with the force off.
     #[must_use]
     pub fn new(config: Config) -> Self {
         Self {
@@ -31,35 +33,46 @@ impl ControlLoop {
             step: 0,
             mode: ModeId::Idle,
             numbers: 0,
+            overtaken: 0,
         }
     }
 
-    /// One control period. `raise` is a fault the board has seen; it comes before what the tasks ask.
+    /// One control period. `raise` is a fault found by the board; it precedes `off`, which precedes requests of the tasks.
     pub fn tick(&mut self, ends: &mut ControlEnds<'_>, inputs: &Inputs, raise: Option<FaultKind>) -> Outputs {
         let raise = raise.map(Request::Raise);
-        let configured = raise.is_none() && self.configure(ends);
+        let off = raise.is_none() && ends.off.obey();
+        if off {
+            self.overtaken = ends.requests.len();
+            ends.off.has_ended(self.mode);
+        }
+        let configured = raise.is_none() && !off && self.configure(ends);
         let config = if self.replaced { ends.configs.peek() } else { None }.unwrap_or(&self.first);
         if configured {
             let period_ticks = config.period_ticks();
             self.state.reconfigured(period_ticks != self.period_ticks);
             self.period_ticks = period_ticks;
         }
-        let listens = raise.is_none() && !configured && ends.requests.ready();
+        let listens = raise.is_none() && !off && !configured && ends.requests.ready();
         let asked = if listens { ends.requests.peek() } else { None };
-        // a promise is kept quietly: nobody waits for its answer
+        let overtaken = asked.is_some() && self.overtaken > 0;
+        // a promise has no answer
         let answered = configured || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. }));
         let taken = asked.is_some();
-        let outputs = step(config, &mut self.state, raise.as_ref().or(asked), inputs);
+        let request = if off { Some(&Request::Off) } else { raise.as_ref() };
+        let request = request.or(if overtaken { None } else { asked });
+        let outputs = step(config, &mut self.state, request, inputs);
         if taken {
             let _ = ends.requests.dequeue();
+            self.overtaken = self.overtaken.saturating_sub(1);
         }
         if answered {
-            let _ = ends.answer.enqueue(outputs.denied);
+            let denied = if overtaken { Some(Denied::SwitchedOff) } else { outputs.denied };
+            let _ = ends.answer.enqueue(Handled { denied, during: self.mode });
         }
         if outputs.identified {
             self.numbers = NUMBERS as u16;
         } else if outputs.mode == ModeId::Identifying {
-            // begun anew: what was not told is gone
+            // restarted: unsent numbers are discarded
             self.numbers = 0;
         }
         if let Some(number) = self.numbers.checked_sub(1).and_then(|k| self.state.recorder().number(k))
@@ -87,7 +100,7 @@ impl ControlLoop {
         outputs
     }
 
-    /// Takes up the configuration that the tasks have sent, if there is one.
+    /// Switches to the configuration that the tasks have sent, if any.
     fn configure(&mut self, ends: &mut ControlEnds<'_>) -> bool {
         let waiting = ends.configs.len() > usize::from(self.replaced);
         if waiting {
@@ -99,19 +112,19 @@ impl ControlLoop {
         waiting
     }
 
-    /// What the loop remembers.
+    /// State of the loop.
     #[must_use]
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// Timer ticks to the next step, as the configuration in use wants it.
+    /// Timer ticks to the next step, from the present configuration.
     #[must_use]
     pub fn period_ticks(&self) -> u32 {
         self.period_ticks
     }
 
-    /// Control steps since the start; wraps.
+    /// Control steps since the start. Wraps.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.step

@@ -1,4 +1,4 @@
-//! The tasks' side: takes bytes, obeys commands, gives answers, news and frames.
+//! The application in the tasks: reads bytes, executes commands, sends answers, messages and frames.
 
 mod presets;
 
@@ -7,25 +7,27 @@ use super::calibrate::{Calibration, describe};
 use super::listing::Listing;
 use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
-use super::{DeskEnds, FaultReport, Output, Telemetry};
+use super::{DeskEnds, FaultReport, Handled, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
 use haptics::number::Text;
-use haptics::{Config, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver};
-use link::{BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, PresetStore, Sensor};
+use haptics::{
+    Config, Denied, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver,
+};
+use link::{
+    BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector, PresetStore, Sensor,
+};
 
-/// Preset after a start, unless another is the default.
+/// Preset after a start without a default.
 const FIRST: &str = "brass";
-/// Lines that are obeyed or refused before the other tasks have their turn: a flood of commands that are refused must
-/// not keep the watchdog from being fed.
+/// Number of lines handled before other tasks run. A flood of invalid commands must not starve the watchdog.
 const LINES_AT_ONCE: u32 = 4;
-/// How long the control loop may take to handle a request, ms.
+/// Longest time for the control loop to handle a request, ms.
 const PATIENCE_MS: u32 = 500;
-/// How long the host may be silent while it drives the handle, unless `watch` says otherwise, s: an identification
-/// typed by hand takes 14.
+/// Longest silence of the host while it drives the handle, s, unless set by `watch`. An identification typed by hand takes 14.
 const WATCH_S: f32 = 30.0;
-/// Promises of the host are handed on this often at most, ms.
+/// Shortest time between promises of the host, ms.
 const PROMISE_MS: u32 = 20;
 
 /// Console, presets and stream of one device.
@@ -33,17 +35,19 @@ pub struct Desk {
     device: Device,
     settings: Settings,
     preset: Name,
-    /// The settings differ from the preset.
+    /// Whether the settings differ from the preset.
     changed: bool,
     presets: PresetStore,
     saving: Option<presets::Saving>,
-    /// Why presets do not last on this device.
+    /// Reason why presets are not persistent on this device.
     unusable: Option<NotStored>,
     editor: LineEditor,
+    /// Finds the lines that a listener has heard before, see [`super::OffSwitch`].
+    off: OffDetector,
     output: Output,
-    /// A request was sent, an answer is owed; when it was sent, ms.
+    /// Pending request with its time, ms. An answer is due.
     pending: Option<(Pending, u32)>,
-    /// An answer of several lines, and its next line.
+    /// Answer of several lines, with its next line.
     listing: Option<(Listing, usize)>,
     selftest: Option<SelfTest>,
     calibration: Calibration,
@@ -51,20 +55,20 @@ pub struct Desk {
     stream: Option<Stream>,
     last: Option<Telemetry>,
     fault: Option<FaultReport>,
-    /// A person has cleared it, and the board is to be told.
+    /// A person cleared the fault; the board must learn of it.
     cleared: bool,
-    /// Control periods the tasks did not see.
+    /// Control periods that the tasks missed.
     unseen: u32,
     watch_s: f32,
-    /// The host has spoken since its last promise was handed on, ms.
+    /// Time of the last byte of the host since its last promise, ms.
     heard: bool,
     promised_ms: u32,
-    /// The self-test is to push the handle.
+    /// Whether the self-test needs its push.
     push: bool,
 }
 
 impl Desk {
-    /// A desk for this device, with the first preset.
+    /// The desk of a device, with the first preset.
     #[must_use]
     pub fn new(device: Device) -> Self {
         Self {
@@ -76,6 +80,7 @@ impl Desk {
             saving: None,
             unusable: None,
             editor: LineEditor::new(),
+            off: OffDetector::new(),
             output: Output::new(),
             pending: None,
             listing: None,
@@ -94,7 +99,7 @@ impl Desk {
         }
     }
 
-    /// What the control loop starts with.
+    /// Initial configuration of the control loop.
     ///
     /// # Errors
     /// The first preset does not suit this device.
@@ -102,18 +107,18 @@ impl Desk {
         self.settings.build(&self.device)
     }
 
-    /// What waits for the serial line.
+    /// Output that waits for the serial line.
     pub fn output(&mut self) -> &mut Output {
         &mut self.output
     }
 
-    /// Bytes that wait for the serial line.
+    /// Number of bytes that wait for the serial line.
     #[must_use]
     pub fn waiting_output(&self) -> usize {
         self.output.waiting()
     }
 
-    /// A command is not answered yet, or its answer not yet said.
+    /// Whether a command or the rest of its answer is pending.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.pending.is_some()
@@ -124,7 +129,7 @@ impl Desk {
             || self.output.is_behind()
     }
 
-    /// The control period seen last.
+    /// The last control period seen.
     #[must_use]
     pub fn last(&self) -> Option<&Telemetry> {
         self.last.as_ref()
@@ -136,8 +141,8 @@ impl Desk {
         &self.preset
     }
 
-    /// Takes bytes from the serial line, up to the end of a command that has to be answered first. Returns how many
-    /// it took; offer the rest again after [`Self::poll`].
+    /// Reads bytes from the serial line up to the end of a command that must be answered first. Returns the number of bytes
+    /// read; offer the rest again after [`Self::poll`].
     pub fn receive(&mut self, bytes: &[u8], ends: &mut DeskEnds<'_>, board: &mut impl Board) -> usize {
         self.heard |= !bytes.is_empty();
         let mut lines = 0;
@@ -146,7 +151,10 @@ impl Desk {
                 return at;
             }
             let mut line: heapless::String<MAX_LINE> = heapless::String::new();
+            let off = self.off.push(*byte);
             match self.editor.push(*byte) {
+                // even if the line has unprintable bytes or is too long
+                _ if off => self.switch_off(ends, board),
                 None => continue,
                 Some(Err(bad)) => self.bad_line(bad),
                 Some(Ok(text)) => {
@@ -159,11 +167,11 @@ impl Desk {
         bytes.len()
     }
 
-    /// Moves everything on; call it at least once every few milliseconds.
+    /// Advances all work. Call it every few milliseconds.
     pub fn poll(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
         while self.output.fits_line(answer::LINE) {
-            if let Some(denied) = ends.answers.dequeue() {
-                self.handled(denied);
+            if let Some(handled) = ends.answers.dequeue() {
+                self.handled(&handled);
             } else if let Some(fault) = ends.faults.dequeue() {
                 self.faulted(&fault);
             } else if let Some(number) = ends.numbers.dequeue() {
@@ -175,12 +183,22 @@ impl Desk {
         if core::mem::take(&mut self.cleared) {
             board.forget();
         }
+        if ends.off.is_ahead() && self.selftest.take().is_some() {
+            self.push = false;
+            self.refuse_overtaken();
+        }
+        if matches!(self.pending, Some((Pending::Off, _))) && !ends.off.is_asked() {
+            self.pending = None;
+            let mut line = Line::new();
+            let _ = Pending::Off.write(ends.off.take_ended(), &mut line);
+            self.say(&line);
+        }
         while let Some(telemetry) = ends.telemetry.dequeue() {
             self.see(&telemetry);
         }
         if self.pending.as_ref().is_some_and(|(_, since)| board.now_ms().wrapping_sub(*since) > PATIENCE_MS) {
             self.pending = None;
-            self.err("NO_ANSWER", "the control loop does not run; see `fault`, or restart the device");
+            self.err("NO_ANSWER", "the control loop is not running; see `fault`, or restart the device");
         }
         if core::mem::take(&mut self.push) {
             self.ask(Request::Probe, Pending::Push, board.now_ms(), ends);
@@ -190,7 +208,7 @@ impl Desk {
         self.list(board);
     }
 
-    /// While the host drives the handle every byte of it counts: the loop withdraws force when none comes.
+    /// Passes on the promise of a host that drives the handle: the loop withdraws force when no bytes come.
     fn promise(&mut self, now: u32, ends: &mut DeskEnds<'_>) {
         let due = self.heard && now.wrapping_sub(self.promised_ms) >= PROMISE_MS;
         if due && self.last.is_some_and(|t| is_driven(t.outputs.mode)) {
@@ -227,21 +245,18 @@ impl Desk {
         self.say(&line);
     }
 
-    fn handled(&mut self, denied: Option<haptics::Denied>) {
+    fn handled(&mut self, Handled { denied, during }: &Handled) {
         let Some((pending, _)) = self.pending.take() else { return };
-        if matches!(pending, Pending::Push) {
-            if denied.is_none() {
-                // the self-test tells when it is over
-                return;
-            }
-            self.selftest = None;
+        if matches!(pending, Pending::Push) && (denied.is_none() || self.selftest.take().is_none()) {
+            // the self-test reports its own end, or `off` has ended it
+            return;
         }
         let mut line = Line::new();
         if let Some(why) = denied {
-            answer::denied(why, self.fault_kind(), &mut line);
+            answer::denied(*why, self.fault_kind(), &mut line);
         } else {
-            // too long a line is cut
-            let _ = pending.write(&mut line);
+            // a long line is truncated
+            let _ = pending.write(*during, &mut line);
             match pending {
                 Pending::Settings { settings, name, .. } => {
                     self.settings = settings;
@@ -280,7 +295,7 @@ impl Desk {
                         self.presets.set_identified(&settings);
                         write!(line, "! preset {IDENTIFIED}: `preset use {IDENTIFIED}` renders it")
                     }
-                    Err(refused) => write!(line, "! not a preset this device can render: {refused}"),
+                    Err(refused) => write!(line, "! this device cannot render it: {refused}"),
                 };
             }
             Err(why) => {
@@ -358,7 +373,7 @@ impl Desk {
         }
     }
 
-    /// Says lines of a long answer while there is room.
+    /// Sends lines of a long answer while there is room.
     fn list(&mut self, board: &impl Board) {
         while let Some((listing, at)) = &mut self.listing {
             if self.output.is_behind() {
@@ -398,6 +413,9 @@ impl Desk {
             Err(bad) => return self.err(bad.code(), bad),
         };
         let now = board.now_ms();
+        if ends.off.is_ahead() && switches_force_on(&command) {
+            return self.refuse_overtaken();
+        }
         match command {
             Command::Help => self.begin_list(format_args!("help"), Listing::Help, board),
             Command::Version => self.ok(format_args!(
@@ -429,6 +447,7 @@ impl Desk {
                 self.drive(Request::Identify(procedure), Pending::Identify(seconds), now, ends);
             }
             Command::Stop => self.ask(Request::Stop, Pending::Stop, now, ends),
+            Command::Off => self.switch_off(ends, board),
             Command::Clear => self.ask(Request::ClearFault, Pending::Clear, now, ends),
             Command::Stream(0) => {
                 let dropped = self.stream.take().map_or(0, |stream| stream.dropped());
@@ -447,19 +466,32 @@ impl Desk {
                 Some(mode) => {
                     self.err("BUSY", format_args!("{}; accepted while idle: `stop` first", mode.id()))
                 }
-                None => self.err("NO_ANSWER", "the control loop does not run"),
+                None => self.err("NO_ANSWER", "the control loop is not running"),
             },
         }
     }
 
-    /// Hands over a request that drives the handle, and the host's promise to be there.
+    /// Reads an `off` in its turn. The answer follows once the control loop has obeyed.
+    fn switch_off(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
+        ends.off.was_read();
+        // again, although the listener has asked: it costs nothing, and a board may have no listener
+        ends.off.ask();
+        board.off();
+        self.pending = Some((Pending::Off, board.now_ms()));
+    }
+
+    fn refuse_overtaken(&mut self) {
+        self.err(Denied::SwitchedOff.id(), Denied::SwitchedOff.explain());
+    }
+
+    /// Sends a request that drives the handle, and the promise of the host.
     fn drive(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
         self.ask(request, pending, now, ends);
-        // if it finds no room, the next bytes bring it
+        // without room, the next bytes send it
         let _ = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s });
     }
 
-    /// Hands a request to the control loop; the answer comes when it was handled.
+    /// Sends a request to the control loop. The answer follows once it is handled.
     fn ask(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
         match ends.ask.enqueue(request) {
             Ok(()) => self.pending = Some((pending, now)),
@@ -468,24 +500,23 @@ impl Desk {
     }
 
     fn busy(&mut self) {
-        self.err("BUSY", "the control loop has requests waiting; try again");
+        self.err("BUSY", "the control loop has pending requests; try again");
     }
 
     fn watch(&mut self, seconds: Option<f32>) {
         self.watch_s = seconds.unwrap_or(self.watch_s);
         match self.watch_s {
-            0.0 => self.ok(format_args!("watch off: the host may fall silent while it drives the handle")),
-            seconds => self.ok(format_args!(
-                "watch {} s: a driven handle is let go when no byte came for so long",
-                Text(seconds)
-            )),
+            0.0 => self.ok(format_args!("watch off: no limit on the silence of the host")),
+            seconds => {
+                self.ok(format_args!("watch {} s: force off after this silence of the host", Text(seconds)))
+            }
         }
     }
 
     fn get(&mut self, name: &str) {
         if self.settings.get(name).is_none() {
             let mut copy = self.settings;
-            // the refusal of `set` says best what is wrong with the name
+            // the error of `set` describes the name best
             return match copy.set(name, "0") {
                 Err(unknown) => self.err("UNKNOWN_PARAMETER", unknown),
                 Ok(()) => self.ok(format_args!("{name} off")),
@@ -516,7 +547,7 @@ impl Desk {
         }
     }
 
-    /// Another control rate, if the active settings are stable at it and nothing moves.
+    /// Changes the control rate if nothing moves and the active settings are stable at it.
     fn rate(&mut self, hz: u32, now: u32, ends: &mut DeskEnds<'_>) {
         if let Some(mode) = self.last.map(|t| t.outputs.mode).filter(|mode| *mode != ModeId::Idle) {
             return self.err("BUSY", format_args!("{}; accepted while idle: `stop` first", mode.id()));
@@ -528,7 +559,7 @@ impl Desk {
         }
     }
 
-    /// Hands a configuration to the control loop; the answer comes when it is in use.
+    /// Sends a configuration to the control loop. The answer follows once it is in use.
     fn reconfigure(&mut self, config: Config, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
         match ends.configure.enqueue(config) {
             Ok(()) => self.pending = Some((pending, now)),
@@ -539,13 +570,13 @@ impl Desk {
     fn status(&mut self, board: &impl Board) {
         let mut line = Line::new();
         let Some(t) = self.last else {
-            return self.err("NO_ANSWER", "the control loop does not run");
+            return self.err("NO_ANSWER", "the control loop is not running");
         };
         let changed = if self.changed { " (changed)" } else { "" };
         let _ = write!(line, "ok {}, preset {}{changed}, ", t.outputs.mode.id(), self.preset);
         let _ = answer::handle(&t, &self.device, &mut line);
         let (step, late, unseen) = (t.step, board.late_steps(), self.unseen);
-        let _ = write!(line, ", step {step}, {late} late, {unseen} not seen by the console");
+        let _ = write!(line, ", step {step}, {late} late, {unseen} missed by the console");
         if let Some(stream) = &self.stream {
             let _ = write!(line, ", stream on, {} frames dropped", stream.dropped());
         }
@@ -554,7 +585,7 @@ impl Desk {
 
     fn tell_fault(&mut self, board: &impl Board) {
         let mut line = Line::new();
-        // what does not fit is cut
+        // a long line is truncated
         let _ = line.write_str("ok ");
         let _ = match self.fault {
             None => line.write_str("no fault"),
@@ -573,7 +604,7 @@ impl Desk {
     }
 }
 
-/// A fault and the motion it was found at.
+/// Prints a fault with its motion.
 fn moment(f: &FaultReport, line: &mut Line) -> core::fmt::Result {
     let (kind, step, during) = (f.kind, f.step, f.during.id());
     write!(line, "{kind} at step {step} while {during}: ")?;
@@ -581,7 +612,12 @@ fn moment(f: &FaultReport, line: &mut Line) -> core::fmt::Result {
     write!(line, "handle {position:.6} m {velocity:.4} m/s, force {force:.3} N")
 }
 
-/// The device moves the handle because a host said so.
+/// Whether a command switches the force on.
+fn switches_force_on(command: &Command<'_>) -> bool {
+    matches!(command, Command::Render(true) | Command::Move(_) | Command::Identify | Command::SelfTest)
+}
+
+/// Whether the device moves the handle for a host.
 fn is_driven(mode: ModeId) -> bool {
     matches!(mode, ModeId::Exciting | ModeId::Identifying)
 }

@@ -1,13 +1,15 @@
-//! Answers of several lines, given line by line as the serial line takes them.
+//! Answers of several lines, produced one line at a time.
 
 use crate::board::Board;
 use core::fmt::{self, Write};
+use friction::Geometry::Linear;
+use friction::Unit;
 use friction::effects::EffectKind;
 use haptics::number::Text;
 use haptics::{Settings, settings};
 use link::HELP;
 
-/// Which answer.
+/// An answer of several lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub(super) enum Listing {
@@ -20,7 +22,7 @@ pub(super) enum Listing {
 }
 
 impl Listing {
-    /// Lines it has.
+    /// Number of lines.
     pub fn lines(&self, board: &impl Board) -> usize {
         match self {
             Self::Help => {
@@ -49,7 +51,10 @@ fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
     }
     let Some(at) = at.checked_sub(count + 1) else { return write!(out, "  parameters:") };
     match settings::PARAMETERS.iter().chain(settings::ALIASES).nth(at) {
-        Some(p) => write!(out, "    {:<18} {:<6} {}", p.name, p.unit, p.what),
+        Some(p) => match p.unit() {
+            Some(unit) => write!(out, "    {:<18} {unit:<6} {}", p.name, p.what),
+            None => write!(out, "    {:<18} {:<6} {}", p.name, "-", p.what),
+        },
         None => {
             write!(
                 out,
@@ -61,13 +66,13 @@ fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
 }
 
 /// Name and unit of every parameter of the effects in use.
-fn effect_parameters(
-    settings: &Settings,
-) -> impl Iterator<Item = (&'static str, &'static str, &'static str, f32)> {
+fn effect_parameters(settings: &Settings) -> impl Iterator<Item = (&'static str, &'static str, Unit, f32)> {
     settings.effects.iter().flatten().flat_map(|effect| {
         let kind = effect.kind;
         let gains = kind.gains().iter().zip(effect.gains);
-        gains.chain(kind.shape().iter().zip(effect.shape)).map(move |(p, x)| (kind.id(), p.name, p.unit, x))
+        gains
+            .chain(kind.shape().iter().zip(effect.shape))
+            .map(move |(p, x)| (kind.id(), p.name, p.unit(Linear), x))
     })
 }
 
@@ -76,9 +81,9 @@ fn parameter(settings: &Settings, at: usize, out: &mut impl Write) -> fmt::Resul
         let besides = effect_parameters(settings).nth(at - settings::PARAMETERS.len());
         return besides.map_or(Ok(()), |(id, name, unit, x)| write!(out, "  {id}.{name} {} {unit}", Text(x)));
     };
-    match settings.get(p.name) {
-        Some(value) if p.unit == "-" => write!(out, "  {} {value}", p.name),
-        Some(value) => write!(out, "  {} {value} {}", p.name, p.unit),
-        None => Ok(()),
+    match (settings.get(p.name), p.unit()) {
+        (Some(value), None) => write!(out, "  {} {value}", p.name),
+        (Some(value), Some(unit)) => write!(out, "  {} {value} {unit}", p.name),
+        (None, _) => Ok(()),
     }
 }

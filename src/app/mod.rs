@@ -1,16 +1,18 @@
-//! The application: what runs in the control interrupt, what runs in the tasks, and the queues between them.
+//! The application: the part in the control interrupt, the part in the tasks, and the queues between them.
 
 mod answer;
 mod calibrate;
 mod control_loop;
 mod desk;
 mod listing;
+mod off;
 mod output;
 mod selftest;
 mod stream;
 
 pub use control_loop::ControlLoop;
 pub use desk::Desk;
+pub use off::{Listener, OffSwitch};
 pub use output::Output;
 
 use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Number, Outputs, Request};
@@ -19,67 +21,83 @@ use heapless_spsc::spsc::{Consumer, Producer, Queue};
 /// One control period, for the tasks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Telemetry {
-    /// Number of the control step; wraps.
+    /// Number of the control step. Wraps.
     pub step: u32,
-    /// What went in.
+    /// Inputs of the step.
     pub inputs: Inputs,
-    /// What came out.
+    /// Outputs of the step.
     pub outputs: Outputs,
 }
 
-/// A fault, with the moment of it.
+/// Result of a request.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Handled {
+    /// Reason of a denial.
+    pub denied: Option<Denied>,
+    /// Mode before the request.
+    pub during: ModeId,
+}
+
+/// A fault with its time and motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FaultReport {
     /// The first fault.
     pub kind: FaultKind,
     /// Control step that found it.
     pub step: u32,
-    /// State of the machine before.
+    /// Mode before the fault.
     pub during: ModeId,
-    /// Handle position then, m.
+    /// Handle position at that time, m.
     pub position: f32,
-    /// Handle velocity then, m/s.
+    /// Handle velocity at that time, m/s.
     pub velocity: f32,
-    /// Force commanded in the step before, N.
+    /// Force commanded in the previous step, N.
     pub force: f32,
 }
 
-/// The first fault of before the last reset.
+/// The first fault before the last reset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Earlier {
-    /// What was found, and the motion it was found at; for what no step could find, the motion of the last step.
+    /// The fault with its motion; for a fault outside a step, the motion of the last step.
     pub fault: FaultReport,
-    /// End of the path and line, if it was a panic.
+    /// End of the path, and the line, of a panic.
     pub panicked_at: Option<(heapless::String<40>, u32)>,
 }
 
-// Places of the queues: one more than may wait. Powers of two where it does not matter, for the sake of the interrupt.
+// Sizes of the queues: one more than may wait. Powers of two where possible, which is faster in the interrupt.
 
-/// Telemetry that waits for the tasks: what they may be behind, control periods.
+/// Telemetry for the tasks: largest lag, control periods.
 const TELEMETRY: usize = 32;
-/// Requests that may wait.
+/// Waiting requests.
 const REQUESTS: usize = 4;
-/// The configuration in use and the one that replaces it: no more.
+/// The configuration in use and its successor.
 const CONFIGS: usize = 3;
-/// Answers, faults and numbers of an identification that may wait. In queues of their own: a small item costs the
-/// interrupt a tenth of what one costs that is as large as the largest.
+/// Waiting answers, faults and numbers of an identification. In separate queues: a small item costs the interrupt a tenth of
+/// the largest one.
 const ANSWERS: usize = 4;
 const FAULTS: usize = 4;
 const NUMBERS: usize = 8;
 
-/// The queues between interrupt and tasks; lock-free, one writer and one reader each.
+/// Queues between interrupt and tasks, lock-free with one writer and one reader each.
 #[derive(Default)]
 pub struct Queues {
     configs: Queue<Config, CONFIGS>,
     requests: Queue<Request, REQUESTS>,
-    answers: Queue<Option<Denied>, ANSWERS>,
+    answers: Queue<Handled, ANSWERS>,
     faults: Queue<FaultReport, FAULTS>,
     numbers: Queue<Number, NUMBERS>,
     telemetry: Queue<Telemetry, TELEMETRY>,
+    off: OffSwitch,
 }
 
 impl Queues {
-    /// The ends for the interrupt and for the tasks.
+    /// The way of `off` past all queues.
+    #[must_use]
+    pub fn off(&self) -> &OffSwitch {
+        &self.off
+    }
+
+    /// Splits into the ends for the interrupt and for the tasks.
     pub fn split(&mut self) -> (ControlEnds<'_>, DeskEnds<'_>) {
         let (configure, configs) = self.configs.split();
         let (ask, requests) = self.requests.split();
@@ -88,32 +106,41 @@ impl Queues {
         let (identified, numbers) = self.numbers.split();
         let (tell, telemetry) = self.telemetry.split();
         (
-            ControlEnds { configs, requests, answer, report, identified, tell },
-            DeskEnds { configure, ask, answers, faults, numbers, telemetry },
+            ControlEnds { configs, requests, answer, report, identified, tell, off: &self.off },
+            DeskEnds { configure, ask, answers, faults, numbers, telemetry, off: &self.off },
         )
     }
 }
 
-/// The interrupt's ends.
+/// Ends of the queues in the interrupt.
 pub struct ControlEnds<'q> {
-    /// The first is in use where it lies: a swap copies nothing.
+    /// Configurations. The first is used in place: a swap copies nothing.
     configs: Consumer<'q, Config, CONFIGS>,
     requests: Consumer<'q, Request, REQUESTS>,
-    /// The request was handled; why it was not obeyed.
-    answer: Producer<'q, Option<Denied>, ANSWERS>,
-    /// A fault was latched.
+    answer: Producer<'q, Handled, ANSWERS>,
+    /// Latched faults.
     report: Producer<'q, FaultReport, FAULTS>,
-    /// An identification is complete: its numbers, one a period.
+    /// Numbers of a completed identification, one per period.
     identified: Producer<'q, Number, NUMBERS>,
     tell: Producer<'q, Telemetry, TELEMETRY>,
+    off: &'q OffSwitch,
 }
 
-/// The tasks' ends.
+/// Ends of the queues in the tasks.
 pub struct DeskEnds<'q> {
     configure: Producer<'q, Config, CONFIGS>,
     ask: Producer<'q, Request, REQUESTS>,
-    answers: Consumer<'q, Option<Denied>, ANSWERS>,
+    answers: Consumer<'q, Handled, ANSWERS>,
     faults: Consumer<'q, FaultReport, FAULTS>,
     numbers: Consumer<'q, Number, NUMBERS>,
     telemetry: Consumer<'q, Telemetry, TELEMETRY>,
+    off: &'q OffSwitch,
+}
+
+impl<'q> DeskEnds<'q> {
+    /// The way of `off` past all queues.
+    #[must_use]
+    pub fn off(&self) -> &'q OffSwitch {
+        self.off
+    }
 }

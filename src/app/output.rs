@@ -1,29 +1,29 @@
-//! Bytes that wait for the serial line.
+//! Output buffer of the serial line.
 
 use heapless::Deque;
 
-/// Room for waiting bytes; at 921 600 baud 22 ms.
+/// Size of the buffer, bytes: 22 ms at 921 600 baud.
 const ROOM: usize = 2048;
-/// Bytes kept free for text, so that frames never crowd out news.
+/// Bytes reserved for text, so that frames never displace messages.
 const FOR_TEXT: usize = 768;
-/// Bytes that may wait before another command is taken up or a line of a long answer said. Below the rest of the
-/// room, so that a flood of commands slows its own answers down and never costs a frame.
+/// Largest number of waiting bytes at which a new command or line of a long answer starts. Below the size of the rest, so that
+/// a flood of commands delays its own answers and never costs a frame.
 const BACKLOG: usize = 512;
 
-/// What waits for the serial line. Text waits for room, a frame that finds none is dropped and counted.
+/// Output buffer. Text waits for room; a frame without room is dropped and counted.
 #[derive(Debug, Clone, Default)]
 pub struct Output {
     bytes: Deque<u8, ROOM>,
 }
 
 impl Output {
-    /// Nothing waits.
+    /// Whether the buffer is empty.
     #[must_use]
     pub const fn new() -> Self {
         Self { bytes: Deque::new() }
     }
 
-    /// The next bytes to send, in one piece; there may be more behind.
+    /// Next contiguous bytes to send. More may follow.
     #[must_use]
     pub fn front(&self) -> &[u8] {
         match self.bytes.as_slices() {
@@ -32,7 +32,7 @@ impl Output {
         }
     }
 
-    /// So many bytes of [`Self::front`] are sent.
+    /// Removes sent bytes of [`Self::front`].
     pub fn sent(&mut self, count: usize) {
         for _ in 0..count {
             if self.bytes.pop_front().is_none() {
@@ -41,7 +41,7 @@ impl Output {
         }
     }
 
-    /// Bytes that wait.
+    /// Number of waiting bytes.
     #[must_use]
     pub fn waiting(&self) -> usize {
         self.bytes.len()
@@ -51,25 +51,25 @@ impl Output {
         ROOM - self.bytes.len()
     }
 
-    /// Enough waits: the next answer has time.
+    /// Whether the next answer should wait.
     #[must_use]
     pub(super) fn is_behind(&self) -> bool {
         self.bytes.len() >= BACKLOG
     }
 
-    /// Room for a line of so many bytes with its end.
+    /// Whether a line of this length fits, terminator included.
     #[must_use]
     pub(super) fn fits_line(&self, length: usize) -> bool {
         self.free() >= length + 2
     }
 
-    /// A line of text. The caller has asked for room.
+    /// Appends a line of text. The caller checked the room.
     pub(super) fn line(&mut self, line: &str) {
         self.put(line.as_bytes());
         self.put(b"\r\n");
     }
 
-    /// A frame; false when there is no room for it.
+    /// Appends a frame. False without room.
     #[must_use]
     pub(super) fn frame(&mut self, wire: &[u8]) -> bool {
         let fits = self.free() >= wire.len() + FOR_TEXT;

@@ -1,24 +1,24 @@
-//! The self-test: half a second at rest with the amplifier off, then a push of the handle by a millimetre, and what
-//! encoder, accelerometer and load cell said of it. Of several signals that should agree in sign the odd one is wrong.
+//! The self-test: half a second at rest with the amplifier off, then a push of the handle by a millimetre, judged by encoder,
+//! accelerometer and load cell. Of signals that should agree in sign the odd one is wrong.
 
 use super::Telemetry;
 use core::fmt;
 use haptics::number::Text;
 use haptics::{Channel, Device, ModeId};
 
-/// Control periods looked at while at rest.
+/// Control periods at rest.
 const PERIODS: u32 = 500;
-/// Counts the encoder may move at rest: one either way.
+/// Largest motion of the encoder at rest, counts: one either way.
 const STILL: u32 = 2;
-/// Counts that are motion.
+/// Smallest motion, counts.
 const MOVED: u32 = 20;
-/// Time for the push, control periods: it ends by itself long before.
+/// Longest push, control periods. It normally ends long before.
 const LONGEST: u32 = 40_000;
-/// Least acceleration per newton of the push that is one, 1/kg: ten times the noise.
+/// Smallest acceleration per newton of the push, 1/kg: ten times the noise.
 const ACCELERATES: f32 = 0.03;
-/// Least reading of the load cell per newton of the push: ten times the noise.
+/// Smallest reading of the load cell per newton of the push: ten times the noise.
 const LOADS: f32 = 0.01;
-/// The same when the handle is held: it reads most of the push.
+/// The same for a held handle, where it reads most of the push.
 const HELD: f32 = 0.3;
 
 /// Mean and spread of raw codes.
@@ -49,16 +49,16 @@ impl Codes {
     }
 }
 
-/// What the push did: sums of the product of each signal with the force that acted.
+/// Sums of the products of each signal with the force of the push.
 #[derive(Debug, Clone, Copy, Default)]
 struct Push {
     seen: u32,
-    /// Forces of the last two periods: what a sample feels was commanded in the period before.
+    /// Forces of the last two periods: a sample shows the command of the previous period.
     forces: [f32; 2],
     velocity: f32,
     start: u32,
     travel: u32,
-    /// N², and with it: of the encoder's and the accelerometer's acceleration, of the load.
+    /// Sum of N², and of the products with the accelerations of encoder and accelerometer and with the load.
     force: f32,
     encoder: f32,
     accel: f32,
@@ -67,24 +67,24 @@ struct Push {
     fault: bool,
 }
 
-/// Where the test is.
+/// Progress of the test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Progress {
     /// More periods are needed.
     More,
-    /// Rest is judged and nothing speaks against a push: it is to be asked for.
+    /// Rest is judged and a push is safe: request it.
     Push,
-    /// [`SelfTest::checks`] can say it all.
+    /// [`SelfTest::checks`] is complete.
     Done,
 }
 
-/// A self-test that runs.
+/// A running self-test.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SelfTest {
     seen: u32,
     first: Option<Telemetry>,
     last_ticks: u32,
-    /// Longest distance of two samples from the period, ticks; not across periods the tasks did not see.
+    /// Largest deviation of two samples from the period, ticks, except across missed periods.
     unevenness: u32,
     last_step: u32,
     travel: u32,
@@ -94,7 +94,7 @@ pub(super) struct SelfTest {
     push: Option<Push>,
 }
 
-/// What was found.
+/// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Check {
     pub passed: bool,
@@ -111,35 +111,35 @@ pub(super) enum Finding {
     Amplifier { periods_on: u32, push: Pushed },
 }
 
-/// What a signal said of the push.
+/// Sign of a signal relative to the push.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sign {
-    /// There was no push it could be judged by.
+    /// No push to judge it by.
     NotJudged,
-    /// The way of the push.
+    /// In the direction of the push.
     Right,
-    /// Against all others.
+    /// Against the other signals.
     Wrong,
-    /// Nothing.
+    /// No signal.
     Silent,
 }
 
-/// What the push did.
+/// Result of the push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Pushed {
-    /// Not tried: something is wrong at rest.
+    /// No push: a check at rest failed.
     NotTried,
-    /// So far with so much force.
+    /// Motion of this size with this force.
     Moved { millimetre: f32, newton: f32 },
-    /// The wrong way.
+    /// Motion in the wrong direction.
     Backwards,
-    /// The load cell felt it and nothing moved.
+    /// The load cell measured it and nothing moved.
     Held { newton: f32 },
-    /// Nothing felt it.
+    /// No sensor measured it.
     Nothing { newton: f32 },
-    /// The accelerometer felt it, the encoder did not.
+    /// The accelerometer measured it, the encoder did not.
     Unseen { newton: f32 },
-    /// A fault ended it.
+    /// Ended by a fault.
     Fault,
 }
 
@@ -149,7 +149,7 @@ impl fmt::Display for Check {
         let advice = match self.finding {
             Finding::Loop { unevenness_us } => {
                 write!(f, "loop: samples within {:.2} us of the period", Text(unevenness_us))?;
-                "; something keeps the processor from its step"
+                "; the processor misses its steps"
             }
             Finding::Encoder { counts, sign } => {
                 write!(f, "encoder: moved {counts} counts at rest")?;
@@ -157,7 +157,7 @@ impl fmt::Display for Check {
                 match sign {
                     Sign::Wrong => "; exchange its channels A and B",
                     Sign::Silent => "; check its cable and supply",
-                    _ => "; hands off and repeat, else check shield and supply of the encoder",
+                    _ => "; hands off and repeat, or check shield and supply of the encoder",
                 }
             }
             Finding::LoadCell { newton, span, sign } => {
@@ -165,7 +165,7 @@ impl fmt::Display for Check {
                 sign.write("reads", f)?;
                 match sign {
                     Sign::Wrong => "; exchange its two signal wires",
-                    _ if span == 0 => "; no noise at all: is it connected?",
+                    _ if span == 0 => "; no noise at all: check the connection",
                     _ => "; hands off, then `calibrate` or check its cable",
                 }
             }
@@ -174,36 +174,36 @@ impl fmt::Display for Check {
                 write!(f, "accelerometer: {a:.2} m/s2 at rest, noise over {span} codes")?;
                 sign.write("reads", f)?;
                 match sign {
-                    _ if span == 0 => "; no noise at all: is it connected?",
-                    Sign::Wrong => "; turn it round",
-                    Sign::Silent => "; check its cable and that it is fixed to the handle",
-                    _ => "; more than gravity, or 30 % off the encoder: check its cable, `calibrate`",
+                    _ if span == 0 => "; no noise at all: check the connection",
+                    Sign::Wrong => "; reverse its orientation",
+                    Sign::Silent => "; check its cable and its mount on the handle",
+                    _ => "; above gravity, or 30 % off the encoder: check its cable, `calibrate`",
                 }
             }
             Finding::Amplifier { periods_on, push } => match push {
                 Pushed::NotTried => {
                     write!(f, "amplifier: no push tried ({periods_on} periods on at rest)")?;
-                    "; put right what else failed, hands off, and repeat"
+                    "; repair the other failures, hands off, and repeat"
                 }
                 Pushed::Moved { millimetre, newton } => {
                     let (newton, millimetre) = (Text(newton), Text(millimetre));
                     write!(f, "amplifier: {newton:.2} N moved the handle by {millimetre:.2} mm, off again")?;
-                    "; more acceleration than that force can give: check its gain"
+                    "; more acceleration than this force can give: check its gain"
                 }
-                Pushed::Backwards => "amplifier: pushes the wrong way; exchange the motor's wires",
+                Pushed::Backwards => "amplifier: pushes in the wrong direction; exchange the motor wires",
                 Pushed::Held { newton } => {
-                    write!(f, "amplifier: {:.2} N felt by the load cell, nothing moved", Text(newton))?;
-                    "; handle held or blocked: let go, and repeat"
+                    write!(f, "amplifier: {:.2} N at the load cell, no motion", Text(newton))?;
+                    "; handle held or blocked: release it and repeat"
                 }
                 Pushed::Nothing { newton } => {
-                    write!(f, "amplifier: up to {:.2} N and nothing felt it", Text(newton))?;
-                    "; check enable, supply and motor wires, or the handle is blocked: let go"
+                    write!(f, "amplifier: up to {:.2} N without any response", Text(newton))?;
+                    "; check enable, supply and motor wires, or release a blocked handle"
                 }
                 Pushed::Unseen { newton } => {
-                    write!(f, "amplifier: the accelerometer felt {:.2} N, off again", Text(newton))?;
+                    write!(f, "amplifier: {:.2} N at the accelerometer, off again", Text(newton))?;
                     ""
                 }
-                Pushed::Fault => "amplifier: the push was ended by a fault; see `fault`",
+                Pushed::Fault => "amplifier: a fault ended the push; see `fault`",
             },
         };
         let unsaid =
@@ -228,7 +228,7 @@ impl Sign {
             Self::NotJudged => Ok(()),
             Self::Right => write!(f, ", {verb} with the push"),
             Self::Wrong => write!(f, ", {verb} against the push"),
-            Self::Silent => write!(f, ", {verb} nothing of the push"),
+            Self::Silent => write!(f, ", {verb} no push"),
         }
     }
 }
@@ -266,7 +266,7 @@ impl SelfTest {
         }
     }
 
-    /// The verdicts, when [`Self::take`] has said that enough was seen.
+    /// Results, once [`Self::take`] returned `Done`.
     pub fn checks(&self, device: &Device) -> [Check; 5] {
         let unevenness_us = self.unevenness as f32 / device.tick_hz as f32 * 1e6;
         let (newton, a) = (self.load.si(&device.load), self.accel.si(&device.accel));
@@ -276,7 +276,7 @@ impl SelfTest {
         let [encoder, accel, load] = push.signs();
         let pushed = if self.push.is_some() { push.judge(device) } else { Pushed::NotTried };
         let agrees = |sign| matches!(sign, Sign::NotJudged | Sign::Right);
-        // the same motion seen twice
+        // the same motion from two sensors
         let same = encoder == Sign::NotJudged
             || accel != Sign::Right
             || (0.7..1.3).contains(&(push.accel.abs() / push.encoder.abs().max(1e-9)));
@@ -288,7 +288,7 @@ impl SelfTest {
                 Finding::Encoder { counts: self.travel, sign: encoder },
             ),
             check(
-                // nothing hangs on it, or too little to be felt: then there is no sign to judge
+                // no load, or too little to measure: no sign to judge
                 newton.abs() <= device.rest_force && load_span > 0 && load != Sign::Wrong,
                 Finding::LoadCell { newton, span: load_span, sign: load },
             ),
@@ -326,17 +326,17 @@ impl Push {
         if over || self.fault || self.seen > LONGEST { Progress::Done } else { Progress::More }
     }
 
-    /// The encoder says that it moved.
+    /// Whether the encoder shows motion.
     fn moved(&self) -> bool {
         !self.fault && self.travel >= MOVED
     }
 
-    /// It moved and the encoder did not say so; the loop may have found that out before.
+    /// Whether the handle moved without the encoder. The loop may have found it first.
     fn unseen(&self) -> bool {
         self.travel <= STILL && self.accel.abs() > ACCELERATES * self.force && self.force > 0.0
     }
 
-    /// Which way it went, by the majority of what felt it.
+    /// Direction of the motion, by majority of the sensors.
     fn way(&self) -> f32 {
         let vote = |sum: f32, least: f32| if sum.abs() < least * self.force { 0.0 } else { sum.signum() };
         let votes = vote(self.encoder, ACCELERATES) + vote(self.accel, ACCELERATES) + vote(self.load, LOADS);

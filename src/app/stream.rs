@@ -1,14 +1,14 @@
-//! The binary stream: which control periods become frames, and what was lost.
+//! The binary stream: control periods that become frames, and losses.
 
 use super::{Output, Telemetry};
 use haptics::{Channel, Device};
 use link::{Frame, Header, Name, Sample, encode};
 
-/// A stream that is on. Frame `n` has sequence number `n` whether or not it was sent: a gap is a loss.
+/// A running stream. Frame `n` has sequence number `n` whether or not it is sent: a gap is a loss.
 #[derive(Debug, Clone)]
 pub(super) struct Stream {
     decimation: u32,
-    /// Control step of sample 0; the stream begins with the next period seen.
+    /// Control step of sample 0. The stream begins with the next period seen.
     start: Option<u32>,
     /// Sequence number of the next frame.
     next: u32,
@@ -22,7 +22,7 @@ impl Stream {
         Self { decimation: decimation.max(1), start: None, next: 1, dropped: 0, header_sent: false, preset }
     }
 
-    /// Frames that were due and not sent.
+    /// Number of frames lost.
     pub fn dropped(&self) -> u32 {
         self.dropped
     }
@@ -42,7 +42,7 @@ impl Stream {
             return;
         }
         let seq = 1 + since / self.decimation;
-        // periods the queue had no room for
+        // periods without room in the queue
         self.dropped = self.dropped.saturating_add(seq.saturating_sub(self.next));
         self.next = seq.wrapping_add(1);
         let frame = Frame::Sample(self.sample(telemetry));

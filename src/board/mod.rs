@@ -1,4 +1,4 @@
-//! Two boards, one trait.
+//! The two boards and their common trait.
 
 #[cfg(target_os = "none")]
 #[allow(unsafe_code)] // registers; the only place
@@ -12,43 +12,46 @@ use core::fmt::Write;
 use haptics::Device;
 use link::HelpLine;
 
-/// What the tasks ask of a board.
+/// A board, as the tasks see it.
 pub trait Board {
-    /// For people.
+    /// Name for people.
     fn name(&self) -> &'static str;
 
     /// Constants of the device on this board.
     fn device(&self) -> Device;
 
-    /// Time since the start, ms; wraps.
+    /// Time since the start, ms. Wraps.
     fn now_ms(&self) -> u32;
 
-    /// Control steps whose force came out late.
+    /// Disables the amplifier at once, ahead of the control loop, which keeps it off.
+    fn off(&mut self) {}
+
+    /// Number of control steps with a late force.
     fn late_steps(&self) -> u32;
 
-    /// Begins to store an item of the presets; one at a time.
+    /// Starts to store an item of the presets. One at a time.
     fn store(&mut self, key: u8, item: &[u8]);
 
-    /// How that went, once.
+    /// Result of the last store; returned once.
     fn stored(&mut self) -> Option<Result<(), NotStored>>;
 
-    /// How long what is stored lasts: “in flash”.
+    /// Lifetime of stored presets, such as “in flash”.
     fn lasting(&self) -> &str;
 
-    /// The fault that was kept over the last reset, until it is cleared.
+    /// Fault kept over the last reset, until it is cleared.
     fn earlier(&self) -> Option<Earlier> {
         None
     }
 
-    /// The fault was cleared: the next one is the first again.
+    /// Clears the kept fault. The next fault is the first again.
     fn forget(&mut self) {}
 
-    /// Commands that only this board has.
+    /// Commands of this board.
     fn help(&self) -> &'static [HelpLine] {
         &[]
     }
 
-    /// Obeys such a command: `None` if the line is none. What it says goes into `out`; in the error is the code.
+    /// Executes a command of this board. `None` if the line is not one. The answer goes to `out`; the error is its code.
     fn command(&mut self, _line: &str, _out: &mut dyn Write) -> Option<Result<(), &'static str>> {
         None
     }

@@ -8,7 +8,7 @@
 //! | force command | PA4 | A2 | DAC1 channel 1: 0 V … 3.3 V is −10 N … +10 N, 1.65 V is no force |
 //! | load cell | PC0 | A5 | ADC1 input 6, 0 V … 3.3 V, from a buffer that drives 1 kΩ |
 //! | accelerometer | PC1 | A4 | ADC1 input 7, likewise |
-//! | amplifier enable | PB10 | D6 | high: on. **Fit 10 kΩ to ground**: the pin floats while the chip is in reset |
+//! | amplifier enable | PB5 | D4 | TIM3 channel 2, high: on. **Fit 10 kΩ to ground**: the pin floats while the chip is in reset |
 //! | emergency stop | PC7 | D9 | closed to ground: run. Open, pressed or broken wire: fault. Without a switch fit a bridge |
 //! | serial line | PA2, PA3 | ST-LINK | LPUART1, 921 600 baud, the virtual COM port of the board |
 //! | alive | PA5 | LD2 | blinks while the loop is healthy |
@@ -24,30 +24,35 @@
 //!
 //! * Every encoder edge that TIM2 counts appears on its *encoder clock output* (CR2.MMS = 1000) and makes TIM5,
 //!   free-running at 170 MHz, capture its count (input capture on TRC): the time of the last edge is taken in
-//!   hardware, whatever the processor is doing.
-//! * The interrupt reads count and time until two readings agree, so that a count never goes with the time of
-//!   another edge, and stamps the sample with TIM5.
-//! * The step takes 8 to 10 µs (tests/elf, without flash wait states: the hardware needs more, and has 19).
+//!   hardware, independent of the processor.
+//! * The interrupt stamps the sample with TIM5, then reads time, count and time of the last edge until both times agree: see
+//!   `encoder`.
+//! * The step runs from CCM SRAM and takes 8 to 10 µs (tests/elf, with the waits for memories and buses), and has 19.
 //! * The force is written into the DAC's holding register and put out by TIM7, in phase with TIM6 by
 //!   construction: the output has no software jitter.
-//! * The control interrupt has priority 0, the voltage detector 1 and everything else 6 or lower. Only critical sections can delay it:
-//!   those of embassy's timer queue, and one for every line of the log, which waits for nobody.
+//! * The control interrupt has priority 0, the voltage detector 1, everything else 6 or lower. Only critical sections can delay
+//!   it: those of embassy's timer queue, and one for each line of the log, which never waits.
 //!
-//! **Overrun.** A step that is not done when TIM7 fires puts its force out one period late, and is counted
-//! ([`late_steps`]). A step that is still running at the next JEOS makes the next sample late: the stamp shows it
-//! and the control step latches the fault `missed_deadline`. If steps stop altogether the console task
-//! drops the enable pin within 5 ms and restarts; if it cannot, the watchdog is not fed, either, and the chip resets within [`WATCHDOG_US`]. After a reset that was not
-//! asked for the loop starts with a fault latched that says why: `watchdog`, `panic`, `crash`, `brown_out`.
+//! **Overrun.** A step that is not done when TIM7 fires gives its force one period late, and is counted ([`late_steps`]); the third in a row
+//! latches the fault `late_force`. A
+//! step that is still running at the next JEOS delays the next sample: the stamp shows it, and the control step latches the
+//! fault `missed_deadline`. If steps stop, the enable line falls by hardware
+//! within two periods, see [`mod@enable`]; the console task restarts within 5 ms, and if it cannot, the watchdog resets the
+//! chip within [`WATCHDOG_US`]. After an unexpected reset the loop starts with a latched fault that gives
+//! the reason: `watchdog`, `panic`, `crash`, `brown_out`.
 //!
-//! **Brown-out.** When VDD falls below 2.9 V the voltage detector's interrupt drops the enable pin within
+//! **Brown-out.** When VDD falls below 2.9 V the voltage detector's interrupt drops the enable line within
 //! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR).
 //!
-//! **Emergency stop.** Open for three periods: the enable pin falls in that very period, whatever the control step
-//! says, and the fault is raised every other period for as long as it lasts, so that `clear` cannot outlast it.
+//! **Emergency stop.** Open for three periods: the enable line falls in the third, independent of the control step, and the fault
+//! is raised every other period while the switch is open, so that `clear` has no effect.
 
 pub mod black_box;
+mod ccm;
+pub mod enable;
 pub mod flash;
 mod last_words;
+mod listener;
 mod setup;
 
 pub use setup::ResetCause;
@@ -58,6 +63,7 @@ use crate::presets::NotStored;
 use core::sync::atomic::{
     AtomicBool, AtomicPtr, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
 };
+use embassy_executor::SendSpawner;
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
 use embassy_stm32::gpio::{Flex, Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
@@ -78,11 +84,13 @@ const LATCH_NS: u32 = 33_500;
 pub const WATCHDOG_US: u32 = 50_000;
 /// Baud rate of the serial line.
 pub const BAUD: u32 = 921_600;
-/// Bytes from the serial line that may wait for the tasks: a page pasted at once, 44 ms of the line.
-pub const RX_BYTES: usize = 4096;
-/// N of one step of the DAC, whose code 2048 is no force.
+/// Bytes from the serial line that can wait for the listener: 5 ms of the line.
+pub const RX_BYTES: usize = 512;
+/// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
+const RX_WAKE: usize = 32;
+/// Force per code of the DAC, N. Code 2048 is no force.
 pub const NEWTON_PER_CODE: f32 = 10.0 / 2048.0;
-/// From the reading of the encoder to the change of the force, s: the conversions are over by then.
+/// Time from the encoder reading, after the conversions, to the change of the force, s.
 const DELAY_S: f32 = 20e-6;
 /// Code of no force.
 const DAC_ZERO: u16 = 2048;
@@ -91,30 +99,36 @@ const PACE_DIVIDER: u32 = 4;
 const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000 * (LATCH_NS / 100) / 10_000;
 /// Ticks of a control period after a start.
 const PERIOD_TICKS: u32 = TICK_HZ / LOOP_HZ;
-const ENABLE_PIN: usize = 10;
 const STOP_PIN: usize = 7;
+/// Longest time from the stamp of a sample to the reading of its edge, ticks: 6 µs.
+const SAMPLING_TICKS: u32 = 1_000;
 
 bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Owned by the interrupt once [`Peripherals::start`] was called.
+/// Owned by the interrupt after [`Peripherals::start`].
 struct Loop {
     hardware: Hardware,
     control: ControlLoop,
     ends: ControlEnds<'static>,
-    /// Raised in the first step.
-    boot_fault: Option<FaultKind>,
-    /// Consecutive periods in which the emergency stop was open.
+    /// Fault raised in the next step.
+    pending: Option<FaultKind>,
+    /// Consecutive steps whose force came out late.
+    late: u32,
+    /// Consecutive periods with an open emergency stop.
     stop_open: u32,
-    /// Length of the period that the timers keep, ticks.
+    /// Period of the timers, ticks.
     period_ticks: u32,
-    /// A fault of the board was raised in the last period.
+    /// Whether a fault of the board was raised in the last period.
     raised: bool,
 }
 
-/// Periods for which the emergency stop must be open: shorter is a spark, not a hand.
+/// Consecutive open periods that are an emergency stop. Shorter is contact bounce.
 const STOP_PERIODS: u32 = 3;
+/// Consecutive late forces that are a fault: the bounds on stiffness and damping hold for [`DELAY_S`], and a late force comes a
+/// period later.
+const LATE_STEPS: u32 = 3;
 
 impl Loop {
     fn step(&mut self) {
@@ -131,9 +145,9 @@ impl Loop {
         } else {
             None
         };
-        // the periods between are for requests: they are answered while the trouble lasts, and refused
+        // the periods between handle requests, which are answered and denied while the fault lasts
         self.raised = trouble.is_some() && !self.raised;
-        let raise = self.boot_fault.take().or(if self.raised { trouble } else { None });
+        let raise = self.pending.take().or(if self.raised { trouble } else { None });
         let step = self.control.steps();
         let outputs = self.control.tick(&mut self.ends, &inputs, raise);
         self.hardware.drive(outputs.force, outputs.amplifier && trouble.is_none());
@@ -141,14 +155,21 @@ impl Loop {
         let period_ticks = self.control.period_ticks();
         if period_ticks != self.period_ticks {
             setup::change_pace(period_ticks);
+            enable::set_period(period_ticks);
             self.period_ticks = period_ticks;
             PERIOD.store(period_ticks, Relaxed);
         }
         let cycles = pac::TIM5.cnt().read().wrapping_sub(inputs.sample_ticks);
         if u32::from(pac::TIM6.cnt().read().cnt()) >= LATCH_COUNTS {
             LATE.store(LATE.load(Relaxed).wrapping_add(1), Relaxed);
+            self.late += 1;
+        } else {
+            self.late = 0;
         }
-        // nobody else writes them
+        if self.late >= LATE_STEPS {
+            (self.late, self.pending) = (0, Some(FaultKind::LateForce));
+        }
+        // no other writer
         if cycles > WORST.load(Relaxed) {
             WORST.store(cycles, Relaxed);
         }
@@ -156,7 +177,7 @@ impl Loop {
     }
 }
 
-/// What the control interrupt works with: handed over once, before it is enabled, and its own from then on.
+/// State of the control interrupt: passed once, before it is enabled, and owned by it from then on.
 static LOOP: AtomicPtr<Loop> = AtomicPtr::new(core::ptr::null_mut());
 /// The supply is below the threshold of the voltage detector.
 static SUPPLY_LOW: AtomicBool = AtomicBool::new(false);
@@ -165,25 +186,25 @@ static LATE: AtomicU32 = AtomicU32::new(0);
 static WORST: AtomicU32 = AtomicU32::new(0);
 static PERIOD: AtomicU32 = AtomicU32::new(PERIOD_TICKS);
 
-/// Control steps in so many milliseconds at the present rate.
+/// Number of control steps in this time, ms, at the present rate.
 #[must_use]
 pub fn steps_in_ms(ms: u32) -> u32 {
     (TICK_HZ / 1_000 * ms).checked_div(PERIOD.load(Relaxed)).unwrap_or(0)
 }
 
-/// Control steps since boot; wraps.
+/// Control steps since boot. Wraps.
 #[must_use]
 pub fn steps() -> u32 {
     STEPS.load(Relaxed)
 }
 
-/// Steps that were not done when the DAC put out its force.
+/// Number of steps that were not done when the DAC latched.
 #[must_use]
 pub fn late_steps() -> u32 {
     LATE.load(Relaxed)
 }
 
-/// Longest time from sample to the force being written, core cycles.
+/// Longest time from sample to the write of the force, core cycles.
 #[must_use]
 pub fn worst_cycles() -> u32 {
     WORST.load(Relaxed)
@@ -192,40 +213,41 @@ pub fn worst_cycles() -> u32 {
 /// The control interrupt: end of the injected sequence of ADC1.
 #[interrupt]
 fn ADC1_2() {
-    // SAFETY: null, or what `start` gave away for good. Nobody else has it, and the interrupt cannot interrupt itself.
+    // SAFETY: null, or passed by `start` for good. No other owner, and the interrupt cannot interrupt itself.
     if let Some(control) = unsafe { LOOP.load(Acquire).as_mut() } {
         control.step();
     }
 }
 
-/// The voltage detector: VDD fell below 2.9 V or is back. The control step may come between any two lines; it sees the
-/// flag, or is followed by the pin.
+/// Voltage detector: VDD fell below 2.9 V or is back. A control step may run between any two lines; it sees the flag, or the
+/// pin follows it.
 #[interrupt]
 fn PVD_PVM() {
     pac::EXTI.pr(0).write(|w| w.set_line(setup::PVD_LINE, true));
     let low = pac::PWR.sr2().read().pvdo();
     SUPPLY_LOW.store(low, Relaxed);
     if low {
-        pac::GPIOB.bsrr().write(|w| w.set_br(ENABLE_PIN, true));
+        enable::drop_now();
         pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
-        // if the supply goes on falling the chip is reset and nothing else will say why
+        // if the supply keeps falling, the chip resets and only this records the reason
         last_words::keep(FaultKind::BrownOut);
     } else {
         last_words::forget();
     }
 }
 
-/// What the control step reads and writes by its registers, kept as it was set up.
+/// Peripherals that the control step uses through registers.
 struct Hardware {
     _adc: InjectedAdc<'static, ADC1, 2>,
     _emergency_stop: Input<'static>,
+    /// Whether the last step wanted the amplifier.
+    enabled: bool,
 }
 
 impl Hardware {
-    /// Reads what the hardware latched; clears the interrupt.
+    /// Reads the latched inputs and clears the interrupt.
     fn sample(&mut self) -> Inputs {
-        let (count, edge_ticks) = encoder();
-        let sample_ticks = pac::TIM5.cnt().read();
+        let (sample_ticks, count, edge_ticks) = encoder();
         pac::ADC1.isr().write(|w| {
             w.set_jeos(true);
             w.set_jeoc(true);
@@ -234,21 +256,21 @@ impl Hardware {
         Inputs { sample_ticks, count, edge_ticks, load_code, accel_code }
     }
 
-    /// Hands a force to the DAC, which puts it out when TIM7 says so. The amplifier is switched at once.
+    /// Writes a force to the DAC, which TIM7 latches. Rearms the amplifier's enable line, or drops it at once.
     fn drive(&mut self, force: f32, amplifier: bool) {
-        let code = if amplifier { dac_code(force) } else { DAC_ZERO };
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-        pac::GPIOB.bsrr().write(|w| {
-            if amplifier {
-                w.set_bs(ENABLE_PIN, true);
-            } else {
-                w.set_br(ENABLE_PIN, true);
-            }
-        });
+        if amplifier {
+            let code = dac_code(force);
+            pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
+            enable::rearm(self.enabled);
+        } else {
+            pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
+            enable::drop_now();
+        }
+        self.enabled = amplifier;
     }
 }
 
-/// Nearest DAC code of a force in N. Saturates; what is not a number is no force.
+/// Nearest DAC code of a force, N. Saturates; NaN is no force.
 fn dac_code(force: f32) -> u16 {
     let code = force * (1.0 / NEWTON_PER_CODE) + (f32::from(DAC_ZERO) + 0.5);
     if code.is_nan() {
@@ -258,41 +280,49 @@ fn dac_code(force: f32) -> u16 {
     (code as u16).min(4095)
 }
 
-/// Count and the time of the edge that led to it. An edge between two of the reads shows in the second pair; the
-/// capture follows the count by a few cycles, less than the time between reading `before` and `time_after`.
-/// Edges are at least 1 µs apart, so the second attempt is quiet; four bound the time whatever happens.
-fn encoder() -> (u32, u32) {
+/// Time of the sample, count, and time of the count's last edge.
+///
+/// The stamp comes first, so that every edge after this sample is younger than its stamp, and the next sample finds it within
+/// the period. The time of the edge is read before and after the count: if both readings agree, no edge came in between, and
+/// the count belongs to it. Only an edge whose capture takes longer than two reads is counted but not yet timed; the estimator
+/// waits for its time ([`haptics::estimator`]). Edges are at least 1 µs apart, so the second attempt succeeds; a limit of three
+/// bounds the time.
+#[inline]
+fn encoder() -> (u32, u32, u32) {
     let (tim2, tim5) = (pac::TIM2, pac::TIM5);
+    let stamp = tim5.cnt().read();
+    let mut edge = tim5.ccr(0).read();
     let mut count = tim2.cnt().read();
-    let mut time = tim5.ccr(0).read();
-    for _ in 0..4 {
-        let count_after = tim2.cnt().read();
-        let time_after = tim5.ccr(0).read();
-        if count_after == count && time_after == time {
+    for _ in 0..3 {
+        let after = tim5.ccr(0).read();
+        if after == edge {
             break;
         }
-        (count, time) = (count_after, time_after);
+        edge = after;
+        count = tim2.cnt().read();
     }
-    (count, time)
+    // an edge since the stamp is at the sample: none is in the future
+    let sample = if edge.wrapping_sub(stamp) < SAMPLING_TICKS { edge } else { stamp };
+    (sample, count, edge)
 }
 
-/// Drops the amplifier enable and sets the force to zero, from any context: panic, hard fault, before a reset.
+/// Drops the amplifier enable and sets the force to zero. For any context: panic, hard fault, before a reset.
 pub fn make_safe() {
-    pac::GPIOB.bsrr().write(|w| w.set_br(ENABLE_PIN, true));
+    enable::drop_now();
     pac::DAC1.cr().modify(|w| w.set_ten(0, false));
     pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
 }
 
-/// The board, its loop not yet running.
+/// The board before its loop runs.
 pub struct Peripherals {
     hardware: Hardware,
     /// Serial line.
     pub console: BufferedUart<'static>,
-    /// Not yet running.
+    /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
     pub led: Output<'static>,
-    /// Why the chip started.
+    /// Reason of the start.
     pub reset_cause: ResetCause,
 }
 
@@ -303,19 +333,21 @@ impl Peripherals {
         setup::boost();
         setup::stack_floats_at_once();
         let p = embassy_stm32::init(setup::clocks());
+        setup::prefetch();
+        setup::freeze_watchdog_for_debuggers();
         let reset_cause = setup::reset_cause();
-        // first of all: what keeps the amplifier off
-        let enable = Output::new(p.PB10, Level::Low, Speed::Low);
-        core::mem::forget(enable); // the pin keeps its mode; the interrupt writes it by BSRR
+        // first, keep the amplifier off
+        enable::start(p.PB5, PERIOD_TICKS);
         setup::start_dac();
         Flex::new(p.PA4).set_as_analog();
         setup::start_encoder(p.PA0, p.PA1);
 
         let mut settings = usart::Config::default();
         settings.baudrate = BAUD;
+        settings.eager_reads = Some(RX_WAKE);
         static TX: StaticCell<[u8; 1024]> = StaticCell::new();
         static RX: StaticCell<[u8; RX_BYTES]> = StaticCell::new();
-        // the pins and the rate are constants: it cannot be refused
+        // pins and rate are constants: this cannot fail
         let console = BufferedUart::new(
             p.LPUART1,
             p.PA3,
@@ -341,7 +373,7 @@ impl Peripherals {
             true,
         );
         Self {
-            hardware: Hardware { _adc: adc, _emergency_stop: Input::new(p.PC7, Pull::Up) },
+            hardware: Hardware { _adc: adc, _emergency_stop: Input::new(p.PC7, Pull::Up), enabled: false },
             console,
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
             led: Output::new(p.PA5, Level::Low, Speed::Low),
@@ -349,13 +381,16 @@ impl Peripherals {
         }
     }
 
-    /// The pages of the flash for presets.
-    #[must_use]
-    pub fn pages(&mut self) -> flash::Pages {
-        flash::Pages::new()
+    /// Flash pages for presets.
+    ///
+    /// # Errors
+    /// The option bytes make one bank of the flash. Pages then have other sizes and places, and the core stalls for 22 ms while
+    /// one is erased, with the last force on.
+    pub fn pages(&mut self) -> Result<flash::Pages, NotStored> {
+        if pac::FLASH.optr().read().dbank() { Ok(flash::Pages::new()) } else { Err(NotStored::SingleBank) }
     }
 
-    /// Starts the loop: from here on it runs in the control interrupt. Returns what the tasks need.
+    /// Starts the loop in the control interrupt. Returns the peripherals of the tasks.
     pub fn start(self, control: ControlLoop, ends: ControlEnds<'static>) -> Rest {
         let Self { hardware, console, watchdog, led, reset_cause } = self;
         let boot_fault = reset_cause.fault();
@@ -365,7 +400,8 @@ impl Peripherals {
             hardware,
             control,
             ends,
-            boot_fault,
+            pending: boot_fault,
+            late: 0,
             stop_open: 0,
             raised: false,
             period_ticks: PERIOD_TICKS,
@@ -375,25 +411,27 @@ impl Peripherals {
         interrupt::PVD_PVM.set_priority(Priority::P1); // right below the control step
         interrupt::LPUART1.set_priority(Priority::P6);
         interrupt::TIM4.set_priority(Priority::P7); // embassy-time
-        // SAFETY: no critical section of ours is broken by enabling it here, outside of any.
+        // SAFETY: outside any critical section.
         unsafe {
             interrupt::ADC1_2.enable();
             interrupt::PVD_PVM.enable();
         }
         setup::start_voltage_detector();
         setup::start_pace();
-        Rest { console, watchdog, led }
+        Rest { console, watchdog, led, listener: listener::start() }
     }
 }
 
-/// What is left of the board for the tasks once the loop runs.
+/// Peripherals of the tasks while the loop runs.
 pub struct Rest {
     /// Serial line.
     pub console: BufferedUart<'static>,
-    /// Not yet running.
+    /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
     pub led: Output<'static>,
+    /// Executor above the tasks.
+    pub listener: SendSpawner,
 }
 
 /// The board as the tasks see it.
@@ -406,12 +444,16 @@ impl Board for Nucleo {
     }
 
     fn device(&self) -> Device {
-        // the rig of the thesis on this board's clock and rate
+        // the rig of [thesis, table 3-1] with the clock and rate of this board
         Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, ..Device::default() }
     }
 
     fn now_ms(&self) -> u32 {
         embassy_time::Instant::now().as_millis() as u32
+    }
+
+    fn off(&mut self) {
+        enable::drop_now();
     }
 
     fn late_steps(&self) -> u32 {
@@ -445,13 +487,13 @@ unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
     restart(FaultKind::Crash)
 }
 
-/// An interrupt nobody asked for.
+/// An unexpected interrupt.
 #[cortex_m_rt::exception]
 unsafe fn DefaultHandler(_: i16) {
     restart(FaultKind::Crash)
 }
 
-/// Force off, then a reset; the next start tells why.
+/// Switches the force off and resets. The next start reports the reason.
 pub fn restart(why: FaultKind) -> ! {
     make_safe();
     last_words::keep(why);

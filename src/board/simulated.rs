@@ -3,7 +3,7 @@
 pub mod flash;
 
 use super::Board;
-use crate::app::{ControlLoop, Desk, Queues};
+use crate::app::{ControlLoop, Desk, Listener, Queues};
 use crate::presets::{Library, NotStored};
 use core::fmt::Write;
 use embassy_futures::block_on;
@@ -18,19 +18,19 @@ use plant::{
 };
 use std::collections::VecDeque;
 
-/// Bytes the serial line carries in a control period: 921 600 baud, ten bits a byte.
+/// Bytes per control period on the serial line: 921 600 baud, ten bits per byte.
 const BYTES_PER_PERIOD: usize = 92;
-/// Bytes nobody reads; with more the line stands still, as on a device whose cable is not plugged in.
+/// Largest number of unread bytes. Beyond it the line stops, as on a device without a cable.
 const UNREAD: usize = 1 << 20;
-/// How fast a pointed hand follows, rad/s: the steps of a mouse, some 16 ms apart, are smoothed, and a person feels no lag.
+/// Natural frequency of a pointed hand, rad/s: smooths the 16 ms steps of a mouse without a noticeable lag.
 const POINTING: f64 = 100.0;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
 
-/// What the block slides by.
+/// Friction of the block.
 pub type Slide = Layered<Law<f64>>;
 
-/// What the rig's sensors say as the control step takes it: the same latched codes and stamps.
+/// Converts sensor readings of the rig into inputs of the control step.
 #[must_use]
 pub fn inputs(sensors: &Sensors) -> Inputs {
     Inputs {
@@ -42,26 +42,26 @@ pub fn inputs(sensors: &Sensors) -> Inputs {
     }
 }
 
-/// What can be chosen before the start.
+/// Configuration of the virtual device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualConfig {
-    /// Of all noise.
+    /// Seed of all noise.
     pub seed: u64,
-    /// The rig. Block mass 0: the handle is free, and what it feels is rendered.
+    /// Configuration of the rig. With block mass 0 the handle is free.
     pub rig: RigConfig,
 }
 
 impl Default for VirtualConfig {
-    /// The thesis's rig with a free handle.
+    /// The rig of [thesis, table 3-1] with a free handle.
     fn default() -> Self {
         Self { seed: 1, rig: RigConfig::free_handle() }
     }
 }
 
-/// Who holds the handle.
+/// Hand on the handle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Holder {
-    /// Nobody.
+    /// No hand.
     #[default]
     Nobody,
     /// A source of force.
@@ -71,7 +71,7 @@ pub enum Holder {
 }
 
 impl Holder {
-    /// A relaxed hand that moves the handle to and fro: `amplitude` m, `frequency` Hz.
+    /// A relaxed hand that moves the handle back and forth: `amplitude`, m, and `frequency`, Hz.
     #[must_use]
     pub fn to_and_fro(amplitude: f64, frequency: f64) -> Self {
         Self::Hand(HandImpedance {
@@ -81,7 +81,8 @@ impl Holder {
         })
     }
 
-    /// A hand that goes to `to` m from now, `t` s, on: from where it was going, or from the handle at `position` m.
+    /// A hand that moves to `to`, m, from time `t`, s, on. It starts from its present target, or from the handle at `position`,
+    /// m.
     fn pointed(&self, to: f64, t: f64, position: f64) -> Self {
         let (from, velocity) = match self {
             Self::Hand(hand) => hand.target.at(t),
@@ -109,7 +110,7 @@ impl Hand for Holder {
     }
 }
 
-/// The rig as a board.
+/// The simulated board.
 pub struct SimulatedBoard {
     rig: Rig<Slide>,
     hand: Holder,
@@ -120,7 +121,7 @@ pub struct SimulatedBoard {
     lasting: String,
 }
 
-/// A surface that does nothing, for the rig without a block.
+/// A surface without friction, for the rig without a block.
 const NOTHING: Slide = Layered::new(Law::Coulomb(Coulomb {
     level_p: 0.0,
     level_n: 0.0,
@@ -138,11 +139,11 @@ const HELP: &[HelpLine] = &[
     HelpLine { usage: "sim block none|brass|teflon|rubber", what: "a real block on the handle (table 3-3)" },
     HelpLine {
         usage: "sim wire encoder|load|accel|amplifier right|swapped|dead",
-        what: "a mistake in the wiring, for `selftest` to find",
+        what: "a wiring error for `selftest` to find",
     },
     HelpLine { usage: "sim hang NEWTON", what: "a weight on the load cell, for `calibrate`" },
     HelpLine { usage: "sim tilt up|down|level", what: "gravity on the accelerometer, for `calibrate`" },
-    HelpLine { usage: "sim truth", what: "what really happens in the rig" },
+    HelpLine { usage: "sim truth", what: "the true state of the rig" },
 ];
 
 impl SimulatedBoard {
@@ -168,9 +169,9 @@ impl SimulatedBoard {
         (config.calibration.tick_hz / 1_000).checked_div(config.period_ticks).unwrap_or(1).max(1)
     }
 
-    /// True when it was another before.
+    /// True if the length changed.
     fn set_period(&mut self, ticks: u32) -> bool {
-        // a length that no rig has keeps the old one, and the loop latches that its deadline was missed
+        // an invalid length keeps the old one, and the loop latches a missed deadline
         ticks != self.rig.config().period_ticks && self.rig.set_period_ticks(ticks).is_ok()
     }
 
@@ -180,14 +181,14 @@ impl SimulatedBoard {
 
     fn sim(&mut self, words: &[&str], out: &mut dyn Write) -> Result<(), &'static str> {
         let wrong = |out: &mut dyn Write, word: &str, accepted: &str| {
-            // a String takes everything
-            let _ = write!(out, "`{word}`: accepted are {accepted}");
+            // writing to a String cannot fail
+            let _ = write!(out, "`{word}`: expected one of {accepted}");
             "SYNTAX"
         };
         let number = |out: &mut dyn Write, what: &str, text: &str, most: f64| {
             let number = text.parse::<f64>().ok().filter(|x| x.abs() <= most);
             number.ok_or_else(|| {
-                let _ = write!(out, "{what} = `{text}`: accepted is a number from -{most} to {most}");
+                let _ = write!(out, "{what} = `{text}`: expected a number from -{most} to {most}");
                 "VALUE"
             })
         };
@@ -205,7 +206,7 @@ impl SimulatedBoard {
                 let to = number(out, "METRE", text, 0.016)?;
                 let t = self.rig.truth();
                 self.hand = self.hand.pointed(to, t.time, t.position);
-                let _ = write!(out, "hand goes to {to} m");
+                let _ = write!(out, "hand moves to {to} m");
             }
             ["hand", "push", text] => {
                 let force = number(out, "NEWTON", text, 20.0)?;
@@ -351,12 +352,12 @@ impl Board for SimulatedBoard {
 /// ```
 /// let mut device = tribos_firmware::VirtualDevice::new(&Default::default())?;
 /// device.write(b"preset use rubber\n");
-/// let mut heard = Vec::new();
+/// let mut answer = Vec::new();
 /// for _ in 0..10 {
 ///     device.tick();
-///     device.read(&mut heard);
+///     device.read(&mut answer);
 /// }
-/// assert_eq!(heard, b"ok rubber\r\n");
+/// assert_eq!(answer, b"ok rubber\r\n");
 /// # Ok::<(), tribos_firmware::board::simulated::Unfit>(())
 /// ```
 pub struct VirtualDevice {
@@ -364,12 +365,13 @@ pub struct VirtualDevice {
     control: ControlLoop,
     desk: Desk,
     queues: Queues,
+    listener: Listener,
     input: VecDeque<u8>,
     output: Vec<u8>,
     outputs: Outputs,
 }
 
-/// A rig that cannot be.
+/// An invalid configuration of the virtual device.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Unfit {
     /// A parameter of the rig is out of range.
@@ -393,7 +395,7 @@ impl std::fmt::Display for Unfit {
 impl std::error::Error for Unfit {}
 
 impl VirtualDevice {
-    /// Boots it.
+    /// Boots the device.
     ///
     /// # Errors
     /// A parameter of the rig is out of range, or the first preset cannot be rendered on it.
@@ -401,10 +403,10 @@ impl VirtualDevice {
         Self::with_flash(config, SimulatedFlash::default())
     }
 
-    /// Boots it with the presets that a flash holds.
+    /// Boots the device with the presets of a flash.
     ///
     /// # Errors
-    /// As [`Self::new`], or the flash refuses to be repaired.
+    /// As [`Self::new`], or the flash cannot be repaired.
     pub fn with_flash(config: &VirtualConfig, flash: SimulatedFlash) -> Result<Self, Unfit> {
         let mut items = Vec::new();
         let mut board =
@@ -420,29 +422,35 @@ impl VirtualDevice {
             control,
             desk,
             queues: Queues::default(),
+            listener: Listener::new(),
             input: VecDeque::new(),
             output: Vec::new(),
             outputs: Outputs::default(),
         })
     }
 
-    /// Takes the power away; the flash with the presets remains.
+    /// Cuts the power. The flash with the presets remains.
     #[must_use]
     pub fn power_off(self) -> SimulatedFlash {
         self.board.library.close()
     }
 
-    /// Bytes to the device.
+    /// Sends bytes to the device.
     pub fn write(&mut self, bytes: &[u8]) {
-        self.input.extend(bytes);
+        for byte in bytes {
+            self.listener.hear(*byte, self.queues.off(), |byte| {
+                self.input.push_back(byte);
+                true
+            });
+        }
     }
 
-    /// Appends what the device has sent since the last time.
+    /// Appends bytes that the device sent since the last call.
     pub fn read(&mut self, into: &mut Vec<u8>) {
         into.append(&mut self.output);
     }
 
-    /// Every byte was heard and every command answered.
+    /// Whether every byte is read and every command answered.
     #[must_use]
     pub fn is_quiet(&self) -> bool {
         self.input.is_empty()
@@ -451,7 +459,7 @@ impl VirtualDevice {
             && self.desk.waiting_output() == 0
     }
 
-    /// One millisecond of virtual time: as many control periods as the rate has in it.
+    /// Advances by one millisecond of virtual time, with as many control periods as the rate has.
     pub fn tick(&mut self) {
         let (mut control_ends, mut desk_ends) = self.queues.split();
         for _ in 0..self.board.periods_in_ms() {
@@ -480,19 +488,19 @@ impl VirtualDevice {
         }
     }
 
-    /// What the control step gave last.
+    /// Outputs of the last control step.
     #[must_use]
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
     }
 
-    /// What the control loop remembers.
+    /// State of the control loop.
     #[must_use]
     pub fn state(&self) -> &haptics::State {
         self.control.state()
     }
 
-    /// State of the machine.
+    /// Mode of the control loop.
     #[must_use]
     pub fn mode(&self) -> ModeId {
         self.outputs.mode
@@ -504,7 +512,7 @@ impl VirtualDevice {
         self.desk.preset()
     }
 
-    /// What really happens in the rig.
+    /// True state of the rig.
     #[must_use]
     pub fn truth(&self) -> Truth {
         self.board.rig.truth()
@@ -522,15 +530,15 @@ impl VirtualDevice {
         self.board.device()
     }
 
-    /// Somebody takes the handle.
+    /// Puts a hand on the handle.
     pub fn hold(&mut self, hand: Holder) {
         self.board.hand = hand;
     }
 
-    /// Mounts a real block of `mass` kg that slides by `law` and by effects nobody is told of; mass 0 takes it off.
+    /// Mounts a real block of `mass`, kg, with friction by `law` and concealed effects. Mass 0 removes it.
     ///
     /// # Errors
-    /// A parameter out of range, or too many effects; the old block stays.
+    /// A parameter out of range, or too many effects. The old block stays.
     pub fn set_block(
         &mut self,
         mass: f64,

@@ -1,32 +1,37 @@
-//! Moves bytes between the serial line and the desk, once a millisecond.
+//! Task that moves bytes between listener, desk and serial line every millisecond.
 //!
-//! Polled, not awaited: embassy's buffered writer does not wake a task that waits for room. A byte waits at most a
-//! millisecond, the smaller buffer holds eleven.
+//! It polls: embassy's buffered writer does not wake a task that waits for room.
 
+use super::listener::WAITING;
 use embassy_futures::poll_once;
-use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx};
+use embassy_stm32::usart::BufferedUartTx;
 use embassy_time::{Duration, Instant, Ticker};
-use embedded_io_async::{Read, Write};
+use embedded_io_async::Write;
 use haptics::FaultKind;
+use heapless_spsc::spsc::Consumer;
 use tribos_firmware::app::{Desk, DeskEnds};
-use tribos_firmware::board::nucleo_g474re::{self as board, Nucleo, RX_BYTES};
+use tribos_firmware::board::nucleo_g474re::{self as board, Nucleo};
 
-/// Bytes handed to the line at a time: a piece is taken whole or not at all.
+/// Bytes per write. A write is accepted completely or not at all.
 const PIECE: usize = 64;
 
 #[embassy_executor::task]
-pub async fn run(desk: &'static mut Desk, mut ends: DeskEnds<'static>, line: BufferedUart<'static>) {
-    let (mut tx, mut rx) = line.split();
+pub async fn run(
+    desk: &'static mut Desk,
+    mut ends: DeskEnds<'static>,
+    queue: Consumer<'static, u8, WAITING>,
+    mut tx: BufferedUartTx<'static>,
+) {
     let mut board = Nucleo;
-    let mut typed = Typed::new();
+    let mut typed = Typed::new(queue);
     let mut pulse = Pulse { steps: board::steps(), seen: Instant::now() };
     let mut tick = Ticker::every(Duration::from_millis(1));
     loop {
         tick.next().await;
         pulse.look();
-        typed.fill(&mut rx);
-        // the second time for what the first has made room for
+        // a second time, for room made by the first
         for _ in 0..2 {
+            typed.fill();
             let taken = desk.receive(typed.rest(), &mut ends, &mut board);
             typed.taken(taken);
             desk.poll(&mut ends, &mut board);
@@ -50,14 +55,14 @@ fn send(desk: &mut Desk, tx: &mut BufferedUartTx<'static>) {
 /// Longest time without a control step.
 const STANDSTILL: Duration = Duration::from_millis(3);
 
-/// Whether the loop lives: looked at here because this task looks up most often.
+/// Detects a stopped loop. Here, because this task runs most often.
 struct Pulse {
     steps: u32,
     seen: Instant,
 }
 
 impl Pulse {
-    /// Force off and a restart when no step came for [`STANDSTILL`]: nobody else is left to say so.
+    /// Switches the force off and restarts if no step came for [`STANDSTILL`].
     fn look(&mut self) {
         let steps = board::steps();
         if steps != self.steps {
@@ -68,17 +73,20 @@ impl Pulse {
     }
 }
 
-/// What came in and is not yet taken.
+/// Received bytes that are not yet read.
 struct Typed {
-    // one more than the line's buffer holds
-    bytes: [u8; RX_BYTES + 1],
+    queue: Consumer<'static, u8, WAITING>,
+    bytes: [u8; CHUNK],
     from: usize,
     to: usize,
 }
 
+/// Bytes offered to the desk at once: what the line brings in a period, and as much again.
+const CHUNK: usize = 192;
+
 impl Typed {
-    fn new() -> Self {
-        Self { bytes: [0; RX_BYTES + 1], from: 0, to: 0 }
+    fn new(queue: Consumer<'static, u8, WAITING>) -> Self {
+        Self { queue, bytes: [0; CHUNK], from: 0, to: 0 }
     }
 
     fn rest(&self) -> &[u8] {
@@ -89,20 +97,16 @@ impl Typed {
         self.from += count;
     }
 
-    /// Takes over what the line's buffer holds, once all before is taken.
-    fn fill(&mut self, rx: &mut BufferedUartRx<'static>) {
+    /// Takes bytes from the queue once all earlier ones are read.
+    fn fill(&mut self) {
         if self.from < self.to {
             return;
         }
         (self.from, self.to) = (0, 0);
-        if let core::task::Poll::Ready(Ok(count)) = poll_once(rx.read(&mut self.bytes[..RX_BYTES])) {
-            self.to = count;
-            if count == RX_BYTES {
-                // a full buffer has lost what came next. A zero in its place makes the desk refuse that line:
-                // the halves of two commands must never be obeyed as one
-                self.bytes[count] = 0;
-                self.to += 1;
-            }
+        for place in &mut self.bytes {
+            let Some(byte) = self.queue.dequeue() else { break };
+            *place = byte;
+            self.to += 1;
         }
     }
 }

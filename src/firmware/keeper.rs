@@ -1,4 +1,4 @@
-//! Keeps the presets: the one task that touches the flash.
+//! Task that stores presets, the only one that uses the flash.
 
 use tribos_firmware::board::nucleo_g474re::flash::{Pages, Wanted};
 use tribos_firmware::presets::{Library, NotStored};

@@ -4,19 +4,23 @@
 //! | --- | --- | --- |
 //! | [`ControlLoop`] | interrupt, priority 0 ([`nucleo_g474re`]) | 1 ms |
 //! | serial line in and out of its buffers | interrupt, priority 6 | byte |
+//! | [`listener`]: bytes of the serial line, `off` | task in an interrupt, priority 7 | idle line |
 //! | [`console`]: commands, answers, frames | task | 1 ms |
 //! | [`keeper`]: presets into the flash | task | when asked |
-//! | [`supervisor`]: watchdog, alive lamp | task | 10 ms |
+//! | [`supervisor`]: watchdog, status LED | task | 10 ms |
 //!
-//! Between interrupt and tasks there are only the lock-free queues of [`tribos_firmware::app`].
+//! Interrupts and tasks share only lock-free queues and the switch of `off`, see [`tribos_firmware::app`].
 
 mod console;
 mod keeper;
+mod listener;
 mod supervisor;
 
 use cortex_m_rt as _;
 use defmt_rtt as _;
 use embassy_executor::Spawner;
+use heapless_spsc::spsc::Queue;
+use listener::WAITING;
 use static_cell::StaticCell;
 use tribos_firmware::app::{ControlLoop, Desk, Queues};
 use tribos_firmware::board::Board;
@@ -25,25 +29,33 @@ use tribos_firmware::presets::Library;
 
 static QUEUES: StaticCell<Queues> = StaticCell::new();
 static DESK: StaticCell<Desk> = StaticCell::new();
+static TYPED: StaticCell<Queue<u8, WAITING>> = StaticCell::new();
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let mut peripherals = Peripherals::boot();
     defmt::info!("tribos {=str}, started by {}", env!("CARGO_PKG_VERSION"), peripherals.reset_cause);
     let desk = DESK.init_with(|| Desk::new(Nucleo.device()));
-    let library = Library::open(peripherals.pages(), &mut |key, item| desk.load(key, item)).await;
+    let library = match peripherals.pages() {
+        Ok(pages) => Library::open(pages, &mut |key, item| desk.load(key, item)).await,
+        Err(why) => Err(why),
+    };
     desk.loaded(library.as_ref().err().copied(), &mut Nucleo);
-    // the first preset suits the device of this board: tests/elf sees it run. If it ever did not, nothing would
-    // run and nothing be driven.
+    // the first preset suits the device of this board, as tests/elf shows; otherwise nothing would run or be driven
     let Ok(config) = desk.config() else { panic!("the first preset does not suit this device") };
     let (control, ends) = QUEUES.init_with(Queues::default).split();
+    let off = ends.off();
     let rest = peripherals.start(ControlLoop::new(config), control);
-    // each task is started once, which is all a spawn token asks
-    if let (Ok(console), Ok(supervisor), Ok(keeper)) = (
-        console::run(desk, ends, rest.console),
+    let (tx, rx) = rest.console.split();
+    let (typed, to_read) = TYPED.init_with(Queue::new).split();
+    // each task is started once, as a spawn token requires
+    if let (Ok(listener), Ok(console), Ok(supervisor), Ok(keeper)) = (
+        listener::run(rx, typed, off),
+        console::run(desk, ends, to_read, tx),
         supervisor::run(rest.watchdog, rest.led),
         keeper::run(library),
     ) {
+        rest.listener.spawn(listener);
         spawner.spawn(supervisor);
         spawner.spawn(keeper);
         spawner.spawn(console);

@@ -1,4 +1,4 @@
-//! Feeds the watchdog while the loop is healthy, and only then.
+//! Task that feeds the watchdog while the loop is healthy.
 
 use embassy_stm32::gpio::Output;
 use embassy_stm32::peripherals::IWDG;
@@ -6,9 +6,9 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_time::{Duration, Ticker};
 use tribos_firmware::board::nucleo_g474re as board;
 
-/// How often the loop is looked at, ms.
+/// Period of the check, ms.
 const LOOK_MS: u64 = 10;
-/// Looks between two changes of the lamp: 1 Hz.
+/// Checks per half period of the LED: 1 Hz.
 const BLINK: u32 = 50;
 
 #[embassy_executor::task]
@@ -21,7 +21,7 @@ pub async fn run(mut watchdog: IndependentWatchdog<'static, IWDG>, mut lamp: Out
     loop {
         tick.next().await;
         let steps = board::steps();
-        // all there must have been since the last look, but for the phase of the two clocks
+        // expected steps since the last check, up to the phase of the two clocks
         if steps.wrapping_sub(last) >= board::steps_in_ms(LOOK_MS as u32 - 1) {
             watchdog.pet();
             looks = looks.wrapping_add(1);

@@ -1,11 +1,9 @@
-//! Erasures that are finished whatever happens.
+//! A journal of erasures, so that each one completes.
 //!
-//! A page whose erasure was cut short may look used, half used or empty, and in the middle of a map that would be taken
-//! for what it is not. So before a page is erased its number is written into the journal, and struck out afterwards;
-//! [`Journaled::recover`] erases again what is not struck out.
+//! A page with an interrupted erasure may look used, half used or empty, and would corrupt the map. Before an erasure the
+//! number of the page is written to the journal, and struck out afterwards. [`Journaled::recover`] repeats open erasures.
 //!
-//! A journal page that was itself cut short holds no entry that is one by chance (64 bits), and is erased again: it is
-//! erased only when nothing is open in it.
+//! A torn journal page holds no valid entry by chance (64 bits) and is erased again. It is erased only without open entries.
 
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
@@ -14,18 +12,18 @@ const WORD: usize = 8;
 const BLANK: [u8; WORD] = [0xff; WORD];
 const STRUCK: [u8; WORD] = [0; WORD];
 
-/// A flash as a store needs it: double words, that may be overwritten with zeros. Its last page is the journal.
+/// A flash of double words that can be overwritten with zeros. Its last page is the journal.
 #[allow(async_fn_in_trait)] // polled by one task, never sent
 pub trait Medium: NorFlash {
-    /// The double word was cut short while it was programmed or erased: its error-correcting code is wrong, and what it
-    /// reads as may change.
+    /// Whether a double word is torn: interrupted while programmed or erased, with a wrong error-correcting code and an unstable
+    /// value.
     ///
     /// # Errors
-    /// As reading.
+    /// As for reading.
     async fn is_torn(&mut self, offset: u32) -> Result<bool, Self::Error>;
 }
 
-/// A flash whose erasures are in its journal.
+/// A flash with a journal of its erasures.
 pub struct Journaled<F> {
     flash: F,
 }
@@ -33,17 +31,17 @@ pub struct Journaled<F> {
 impl<F: Medium> Journaled<F> {
     const PAGE: u32 = F::ERASE_SIZE as u32;
 
-    /// Not yet recovered.
+    /// A flash that is not yet recovered.
     pub fn new(flash: F) -> Self {
         Self { flash }
     }
 
-    /// The flash itself.
+    /// The underlying flash.
     pub fn into_inner(self) -> F {
         self.flash
     }
 
-    /// Bytes before the journal.
+    /// Size without the journal, bytes.
     pub fn map_bytes(&self) -> u32 {
         (self.flash.capacity() as u32).saturating_sub(Self::PAGE)
     }
@@ -65,11 +63,11 @@ impl<F: Medium> Journaled<F> {
         Ok(word)
     }
 
-    /// Finishes what was cut short: erases what the journal has open, and makes torn double words zero, which every
-    /// reader of the map takes for something that does not count.
+    /// Completes interrupted operations: repeats open erasures, and sets torn double words to zero, which readers of the map
+    /// ignore.
     ///
     /// # Errors
-    /// The flash refuses.
+    /// The flash fails.
     pub async fn recover(&mut self) -> Result<(), F::Error> {
         let mut damaged = false;
         for at in self.entries() {

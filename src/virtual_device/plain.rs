@@ -1,4 +1,4 @@
-//! Without a terminal: each line of input is a command, each line of output an answer.
+//! Console without a terminal: each input line is a command, each output line an answer.
 
 use super::Running;
 use haptics::ModeId;
@@ -6,7 +6,7 @@ use std::io::{BufRead, Write};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// How much of a motion that was begun is still run after the end of the input, s.
+/// Longest continuation of a motion after the end of the input, s.
 const FINISH_S: f64 = 120.0;
 
 /// Runs until the input ends.
@@ -22,7 +22,7 @@ pub fn run(mut running: Running, serial_line: &str) -> std::io::Result<()> {
     std::thread::spawn(move || {
         let mut input = std::io::stdin().lock();
         let mut line = Vec::new();
-        // an input that cannot be read has ended
+        // an unreadable input has ended
         while input.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
             if typed.send(std::mem::take(&mut line)).is_err() {
                 return;
@@ -45,7 +45,7 @@ pub fn run(mut running: Running, serial_line: &str) -> std::io::Result<()> {
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
-    // a motion that was asked for is finished, so that its result is not lost
+    // completes a running motion, so that its result is not lost
     let most = (FINISH_S / running.device.period()) as u64;
     let mut left = 0..most;
     while matches!(running.device.mode(), ModeId::Exciting | ModeId::Identifying) && left.next().is_some() {

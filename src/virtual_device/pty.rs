@@ -8,27 +8,27 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Bytes that may wait for whoever has the other end; with more nobody reads, and they are thrown away as on a cable
-/// that is not plugged in. The host sees it in the sequence numbers.
+/// Largest number of bytes waiting for the other end. Beyond it nobody reads, and bytes are dropped as on an open cable. The
+/// host sees it in the sequence numbers.
 const UNREAD: usize = 1 << 20;
 
-/// One end of a pseudo-terminal; the other end is a name in the file system.
+/// One end of a pseudo-terminal. The other end has a name in the file system.
 pub struct Pty {
     name: String,
     from_host: Receiver<Vec<u8>>,
     to_host: Sender<Vec<u8>>,
     unread: Arc<AtomicUsize>,
-    /// Somebody has written to it: until then nothing is said, so that nobody finds old answers.
+    /// Whether the host has written. Until then nothing is sent, so that a host finds no old answers.
     attached: std::cell::Cell<bool>,
-    /// Held open, so that a host may come and go.
+    /// Other end, held open so that a host can come and go.
     _other_end: TTYPort,
 }
 
 impl Pty {
-    /// Opens one.
+    /// Opens a pseudo-terminal.
     ///
     /// # Errors
-    /// The system has none to give; the reason.
+    /// The reason of the system.
     pub fn open() -> Result<Self, String> {
         let text = |e: serialport::Error| e.to_string();
         let (mut reader, other_end) = TTYPort::pair().map_err(text)?;
@@ -74,14 +74,14 @@ impl Pty {
         &self.name
     }
 
-    /// Bytes that came.
+    /// Received bytes.
     pub fn received(&self) -> Option<Vec<u8>> {
         let bytes = self.from_host.try_recv().ok()?;
         self.attached.set(true);
         Some(bytes)
     }
 
-    /// Hands bytes to the other end; never blocks.
+    /// Sends bytes to the other end. Never blocks.
     pub fn send(&mut self, bytes: &[u8]) {
         if bytes.is_empty() || !self.attached.get() {
             return;

@@ -1,4 +1,4 @@
-//! At a terminal: answers scroll, below them one live line and the command being typed.
+//! Console at a terminal: scrolling answers, one live line, and the command line.
 
 use super::Running;
 use crossterm::cursor::{MoveToColumn, MoveUp};
@@ -12,12 +12,12 @@ use std::time::{Duration, Instant};
 use tribos_firmware::VirtualDevice;
 use tribos_firmware::board::simulated::Holder;
 
-/// Live line, times a second.
+/// Updates of the live line per second.
 const RATE: Duration = Duration::from_millis(50);
-/// Characters of the track that shows the stroke.
+/// Width of the stroke display, characters.
 const TRACK: usize = 31;
 
-/// Raw mode as long as this lives, whatever happens.
+/// Guard of the raw mode.
 struct Raw;
 
 impl Raw {
@@ -29,7 +29,7 @@ impl Raw {
 
 impl Drop for Raw {
     fn drop(&mut self) {
-        // nothing is left to do about a terminal that is gone
+        // nothing to do about a closed terminal
         let _ = terminal::disable_raw_mode();
         let _ = execute!(stdout(), Print("\r\n"));
     }
@@ -44,9 +44,11 @@ pub fn run(mut running: Running, serial_line: &str) -> std::io::Result<()> {
     println!("tribos {}: the firmware on a simulated rig, 1 kHz", env!("CARGO_PKG_VERSION"));
     println!("{serial_line}");
     println!(
-        "A simulated hand moves the handle to and fro; the device makes it feel like a block on rubber."
+        "A simulated hand moves the handle back and forth; the device makes it feel like a block on rubber."
     );
-    println!("Type  help,  preset use teflon,  sim hand off,  render off …   Ctrl-C leaves.\n");
+    println!(
+        "Type  help,  preset use teflon,  sim hand off,  render off …   Esc or space: force off. Ctrl-C leaves.\n"
+    );
     running.device.hold(Holder::to_and_fro(0.008, 0.5));
     let _raw = Raw::enter()?;
     for command in ["preset use rubber", "render on"] {
@@ -87,7 +89,7 @@ pub fn run(mut running: Running, serial_line: &str) -> std::io::Result<()> {
     }
 }
 
-/// What a key led to.
+/// Result of a key.
 enum Typed {
     More,
     Command(String),
@@ -105,6 +107,8 @@ impl Console {
     fn key(&mut self, code: KeyCode, control: bool) -> Typed {
         match code {
             KeyCode::Char('c' | 'd') if control => return Typed::Leave,
+            KeyCode::Esc => return Typed::Command("off".to_owned()),
+            KeyCode::Char(' ') if self.typed.is_empty() => return Typed::Command("off".to_owned()),
             KeyCode::Char(c) if !control => self.typed.push(c),
             KeyCode::Backspace => {
                 self.typed.pop();
@@ -133,7 +137,7 @@ impl Console {
         self.typed = self.history.get(at).cloned().unwrap_or_default();
     }
 
-    /// Takes live line and prompt away; the cursor stands where they began.
+    /// Removes live line and prompt.
     fn erase(&mut self) -> std::io::Result<()> {
         queue!(self.out, MoveToColumn(0), MoveUp(1), Clear(ClearType::FromCursorDown))
     }
@@ -169,7 +173,7 @@ impl Console {
     }
 }
 
-/// Handle, block, state and force at a glance.
+/// Live line with handle, block, mode and force.
 fn live_line(device: &VirtualDevice) -> String {
     let o = device.outputs();
     let half = 0.5 * f64::from(device.device().stroke);

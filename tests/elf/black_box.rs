@@ -5,13 +5,13 @@ use crate::board::Board;
 /// CR1 of TIM6, which paces the loop.
 const TIM6_CR1: u32 = 0x4000_1000;
 
-fn rendering() -> Option<Board> {
-    let mut board = Board::boot()?;
+fn rendering() -> Board {
+    let mut board = Board::boot();
     board.ok("preset use rubber");
     board.ok("render on");
     board.machine.set_hand(|_: f64, _: f64, v: f64| 2.0 - 20.0 * v);
     board.run(300.0);
-    Some(board)
+    board
 }
 
 fn number_after(text: &str, name: &str) -> f64 {
@@ -35,8 +35,7 @@ fn told(board: &mut Board, what: &str) -> String {
     first.to_owned()
 }
 
-#[test]
-fn what_ended_the_firmware_is_told_after_the_reset_with_the_motion_of_the_last_step() {
+pub fn a_reset_reports_its_reason_and_motion() {
     type Inject = fn(&mut Board);
     let injections: [(&str, Inject); 4] = [
         ("panic", |board| assert!(board.machine.run_into_task() && board.machine.panic_here())),
@@ -45,7 +44,7 @@ fn what_ended_the_firmware_is_told_after_the_reset_with_the_motion_of_the_last_s
         ("missed_deadline", |board| board.machine.poke(TIM6_CR1, 0)),
     ];
     for (kind, inject) in injections {
-        let Some(mut board) = rendering() else { return };
+        let mut board = rendering();
         let (steps, position) =
             (number_after(&board.ok("status"), "step ").trunc(), board.machine.truth().position);
         inject(&mut board);
@@ -63,9 +62,8 @@ fn what_ended_the_firmware_is_told_after_the_reset_with_the_motion_of_the_last_s
     }
 }
 
-#[test]
-fn the_first_fault_stays_when_a_crash_follows_it() {
-    let Some(mut board) = rendering() else { return };
+pub fn a_crash_keeps_the_first_fault() {
+    let mut board = rendering();
     board.machine.press_stop(true);
     board.run(20.0);
     board.machine.press_stop(false);

@@ -3,14 +3,17 @@
 use crate::board::{Board, built};
 use crate::law_names::{COLUMNS, DONE, NAMES};
 use emulator::{Machine, firmware};
+use friction::effects::EffectKind;
+use haptics::settings::effect_cycles;
 use haptics::{LawKind, RendererKind};
 
 /// Budget of a control step, cycles: a tenth of the period at 10 kHz.
 const BUDGET: f64 = 1_700.0;
+/// What a step costs more when it has any effect.
+const HAVING_EFFECTS: f64 = 150.0;
 
-#[test]
-fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
-    let Some(mut board) = Board::boot() else { return };
+pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
+    let mut board = Board::boot();
     board.ok("preset use rubber");
     for (name, value) in
         [("f_static", "3.5"), ("f_dynamic", "3"), ("damping", "4"), ("sigma", "8000"), ("dv", "0.01")]
@@ -40,9 +43,8 @@ fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
     }
 }
 
-#[test]
-fn cycles_of_every_law_and_of_a_bond() {
-    let Some(image) = built(|root, target| firmware::build_example(root, target, "laws")) else { return };
+pub fn cycles_of_every_law_and_of_a_bond() {
+    let image = built(|root, target| firmware::build_example(root, target, "laws"));
     let mut machine = Machine::free_handle(&image, 1);
     let words = COLUMNS * NAMES.len() + 1;
     let mut table = Vec::new();
@@ -74,5 +76,85 @@ fn cycles_of_every_law_and_of_a_bond() {
     for name in NAMES.iter().filter(|name| !name.starts_with("bristle")) {
         let [_, worst] = row(name);
         assert!(worst > 0.0 && worst < BUDGET, "{name}: {worst} cycles");
+    }
+}
+
+/// Every effect alone under the cheapest law, with every gain set: what it adds to a step.
+pub fn cycles_of_every_effect() {
+    let mut board = Board::boot();
+    board.machine.set_hand(|t: f64, x: f64, v: f64| 8.0 * (9.0 * t).sin() - 900.0 * x - 10.0 * v);
+    let worst = |board: &mut Board| {
+        board.ok("render on");
+        board.run(20.0);
+        board.machine.reset_statistics();
+        board.run(400.0);
+        let cycles = board.machine.statistics().step_cycles;
+        board.ok("render off");
+        cycles
+    };
+    board.ok("preset use teflon");
+    let without = worst(&mut board);
+    println!("{:32} {:>6} {:>6} {:>6}", "control interrupt with, cycles:", "mean", "worst", "listed");
+    println!("{:32} {:>6.0} {:>6.0}", "no effect", without.mean(), without.max);
+    for kind in EffectKind::ALL {
+        board.ok("preset use teflon");
+        let mut set = false;
+        for parameter in kind.gains() {
+            let answer = board.ask(&format!("set {}.{} 0.2", kind.id(), parameter.name)).swap_remove(0);
+            set |= answer.starts_with("ok");
+        }
+        if !set {
+            println!("{:32} not on the device", kind.id());
+            continue;
+        }
+        let with = worst(&mut board);
+        let told = effect_cycles(*kind);
+        println!("{:32} {:>6.0} {:>6.0} {told:>6}", kind.id(), with.mean(), with.max);
+        let added = with.max - without.max - HAVING_EFFECTS;
+        assert!(added <= f64::from(told), "{}: {added} cycles, listed with {told}", kind.id());
+    }
+}
+
+/// The most expensive step that validation allows: the dearest law, and effects up to their limit.
+pub fn the_longest_allowed_step_is_not_late() {
+    let mut board = Board::boot();
+    board.machine.set_hand(|t: f64, x: f64, v: f64| 8.0 * (9.0 * t).sin() - 900.0 * x - 10.0 * v);
+    for renderer in RendererKind::ALL {
+        board.ok("preset use rubber");
+        for (name, value) in [
+            ("f_static", "3.5"),
+            ("f_dynamic", "3"),
+            ("damping", "4"),
+            ("sigma", "8000"),
+            ("dv", "0.01"),
+            ("law", "lugre"),
+            ("renderer", renderer.id()),
+            ("stribeck.force_p", "0.2"),
+            ("stribeck.force_n", "0.2"),
+            ("frictional_lag.force", "0.2"),
+            ("frictional_lag.stribeck", "0.2"),
+        ] {
+            let answer = board.ask(&format!("set {name} {value}")).swap_remove(0);
+            if !answer.starts_with("ok") {
+                println!("{answer}");
+            }
+        }
+        let refused = board.ask("set sublinear_viscous.force_p 0.2").swap_remove(0);
+        println!("{refused}");
+        assert!(refused.starts_with("err"), "{refused}");
+        board.ok("render on");
+        board.run(20.0);
+        board.machine.reset_statistics();
+        board.run(500.0);
+        let s = board.machine.statistics();
+        println!(
+            "{}: {:.0} cycles at most, force ready after {:.2} us, {} late",
+            renderer.id(),
+            s.step_cycles.max,
+            s.compute_us.max,
+            s.stale_outputs
+        );
+        assert_eq!(s.stale_outputs, 0);
+        board.ok("render off");
     }
 }

@@ -3,9 +3,8 @@
 use crate::board::image;
 use emulator::report::observe;
 
-#[test]
-fn full_load_and_a_flooded_serial_line_cost_no_step_and_no_frame() {
-    let Some(image) = image() else { return };
+pub fn full_load_costs_no_step_and_no_frame() {
+    let image = image();
     let report = observe(image, 6.0, |_| ()).expect("it runs and obeys");
     println!("{report}");
     for bar in &report.bars() {

@@ -1,14 +1,13 @@
 //! What the control interrupt can reach, from the machine code of the ELF.
 
-use crate::board::image;
+use crate::board::{Board, image};
 
 /// Names of what must not be in a step: panics and what formats them, the log, soft-float `f64`, the allocator.
 const FORBIDDEN: [&str; 8] =
     ["panic", "unwind", "unwrap_failed", "expect_failed", "core::fmt", "defmt", "__aeabi_d", "alloc::"];
 
-#[test]
-fn no_panic_is_reachable_from_the_control_interrupt() {
-    let Some(image) = image() else { return };
+pub fn no_panic_is_reachable_from_the_control_interrupt() {
+    let image = image();
     let step = image.reach("ADC1_2").expect("the control interrupt");
     println!(
         "control interrupt: {} instructions in {} functions can be reached, {} of them traps, {} calls through registers",
@@ -30,4 +29,24 @@ fn no_panic_is_reachable_from_the_control_interrupt() {
     let panics = clock.functions.iter().any(|name| name.contains("panic"));
     println!("clock of the tasks: {} instructions, a panic among them: {panics}", clock.instructions);
     assert!(panics);
+}
+
+pub fn the_control_path_runs_from_ccm() {
+    let step = image().reach("ADC1_2").expect("the control interrupt");
+    // memory.x lists what is placed there
+    assert!(step.in_flash.is_empty(), "in flash, with its wait states: {:#?}", step.in_flash);
+    let mut board = Board::boot();
+    board.ok("preset use rubber");
+    board.ok("render on");
+    board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (6.0 * t).sin() - 5.0 * v);
+    board.machine.reset_statistics();
+    board.run(300.0);
+    let s = board.machine.statistics();
+    println!(
+        "{} functions of the control interrupt in CCM; {} loads from flash in a step at most; {:.0} cycles at most",
+        step.functions.len(),
+        s.step_flash_loads,
+        s.step_cycles.max
+    );
+    assert_eq!(s.step_flash_loads, 0);
 }

@@ -8,7 +8,7 @@ const MID: u16 = 32_768;
 /// Counts from the middle to where the made-up handle turns round: 12 mm.
 const TURN: i32 = 4_700;
 
-/// splitmix64 (Steele, Lea, Flood 2014).
+/// SplitMix64 [steele-2014].
 pub struct Random(pub u64);
 
 impl Random {

@@ -22,13 +22,12 @@ fn swing(board: &mut Board) -> f64 {
     (positions.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / positions.len() as f64).sqrt()
 }
 
-#[test]
-fn at_every_rate_nothing_is_missed_and_the_stiffest_coupling_it_accepts_is_stable() {
+pub fn every_rate_misses_nothing_and_is_stable() {
     println!(
         "rate Hz  steps  missed  late  worst cycles  core awake  frames lost  largest k_vc N/m  swing after a knock, held"
     );
     for &hz in RATES {
-        let Some(mut board) = Board::boot() else { return };
+        let mut board = Board::boot();
         board.ok(&format!("rate {hz}"));
         board.ok("preset use rubber");
         let most = stiffest(&mut board);
@@ -78,9 +77,8 @@ fn at_every_rate_nothing_is_missed_and_the_stiffest_coupling_it_accepts_is_stabl
     }
 }
 
-#[test]
-fn a_rate_is_refused_where_it_would_not_be_stable_and_while_something_runs() {
-    let Some(mut board) = Board::boot() else { return };
+pub fn unstable_rates_and_running_modes_refuse_rate() {
+    let mut board = Board::boot();
     board.ok("rate 10000");
     board.ok("set k_vc 100000");
     let refused = board.ask("rate 1000").join(" ");
@@ -92,5 +90,5 @@ fn a_rate_is_refused_where_it_would_not_be_stable_and_while_something_runs() {
     println!("{busy}");
     assert!(busy.starts_with("err BUSY"), "{busy}");
     let bad = board.ask("rate 3000").join(" ");
-    assert!(bad.contains("accepted is 1000, 2000, 5000, 10000 or 20000"), "{bad}");
+    assert!(bad.contains("expected 1000, 2000, 5000, 10000 or 20000"), "{bad}");
 }

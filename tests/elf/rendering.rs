@@ -2,16 +2,17 @@
 //! block on a real spring, in continuous time and without noise.
 
 use crate::board::Board;
-use crate::plot::{self, Panel, Series};
+use crate::plot;
 use crate::track::{Track, run_to, seconds};
 use friction::{Karnopp, Law};
 use haptics::{Control, Device, Request, Settings};
 use link::Sample;
 use plant::{Coupling, Hand, Rig, RigConfig, Sensor};
+use report::picture::{BLUE, GREEN, GREY, Line, ORANGE, Panel};
 use tribos_firmware::board::simulated::inputs;
 
 const COUNT: f64 = 2.57e-6;
-/// Measurement error of force and of velocity (table 3-2): N, m/s.
+/// Measurement error of force and of velocity [thesis, table 3-2]: N, m/s.
 const FORCE_NOISE: f64 = 0.062;
 const VELOCITY_NOISE: f64 = 3.18e-3;
 /// The hand takes the handle, s; the block is on it by then.
@@ -43,8 +44,8 @@ fn at(series: &[Felt], t: f64) -> Option<(f64, f64)> {
 }
 
 /// What the ELF made of it, from what it streamed.
-fn on_the_device(preset: &str) -> Option<Vec<Felt>> {
-    let mut board = Board::boot()?;
+fn on_the_device(preset: &str) -> Vec<Felt> {
+    let mut board = Board::boot();
     board.ok(&format!("preset use {preset}"));
     board.ok("render on");
     board.ok("stream on");
@@ -59,7 +60,7 @@ fn on_the_device(preset: &str) -> Option<Vec<Felt>> {
         let t = seconds(s) + shift;
         Some((t, track.at(t)?.1, f64::from(s.force)))
     });
-    Some(felt.collect())
+    felt.collect()
 }
 
 /// The same crates against the rig on this machine: another seed, other sampling instants.
@@ -142,12 +143,11 @@ fn apart(these: &[Felt], those: &[Felt]) -> Apart {
     Apart { force: (force / n).sqrt(), overlay: (overlay / n).sqrt(), worst }
 }
 
-#[test]
-fn the_elf_renders_the_blocks_as_the_host_does_and_as_blocks_on_a_spring_are() {
+pub fn elf_rendering_matches_host_and_continuous_block() {
     let mut panels = Vec::new();
     println!("           | ELF and host: at equal times, curves apart | ELF and a block on a spring");
     for name in ["rubber", "brass", "teflon"] {
-        let Some(elf) = on_the_device(name) else { return };
+        let elf = on_the_device(name);
         let host = on_the_host(name);
         let (real, law) = for_real(name);
         let (to_host, to_real) = (apart(&elf, &host), apart(&elf, &real));
@@ -162,20 +162,19 @@ fn the_elf_renders_the_blocks_as_the_host_does_and_as_blocks_on_a_spring_are() {
         let reach = elf.iter().filter(|s| s.0 > START + SETTLED).fold(0.0_f64, |m, s| m.max(s.1.abs()));
         let sliding = |v: f64| if v > 0.0 { law.c_p + law.b_p * v } else { -law.c_n + law.b_n * v };
         let lawful = [-reach, -law.delta_v, law.delta_v, reach].map(|v| (1e3 * v, sliding(v)));
-        let line = |name, colour, dots, points| Series { name, colour, dots, points };
         panels.push(Panel {
             title: format!("{name}, rendered"),
             axes: ["velocity of the handle, mm/s", "force against the hand, N"],
-            log: false,
-            series: vec![
-                line("law (sliding)", "#bbb", false, lawful.to_vec()),
-                line("block on a spring, no noise", "#2a2", false, points(&real, 20)),
-                line("host", "#e90", false, points(&host, 2)),
-                line("ELF in the emulator", "#06c", true, points(&elf, 4)),
+            lines: vec![
+                Line::new("law (sliding)", GREY, lawful.to_vec()),
+                Line::new("block on a spring, no noise", GREEN, points(&real, 20)),
+                Line::new("host", ORANGE, points(&host, 2)),
+                Line::new("ELF in the emulator", BLUE, points(&elf, 4)).dots(),
             ],
+            ..Panel::default()
         });
         assert!(to_host.force < FORCE_NOISE && to_host.overlay < 1.0, "{name}: ELF and host");
         assert!(to_real.force < FORCE_NOISE && to_real.overlay < 1.0, "{name}: ELF and a block on a spring");
     }
-    println!("{}", plot::write("rendering", &panels).display());
+    println!("{}", plot::write("rendering", panels).display());
 }

@@ -3,10 +3,11 @@
 //! The device estimates with the same crate from the same codes; `agreement` shows that bit for bit in its forces.
 
 use crate::board::Board;
-use crate::plot::{self, Panel, Series};
+use crate::plot;
 use crate::track::{Track, run_to, seconds};
 use haptics::Estimator;
 use link::Sample;
+use report::picture::{BLACK, BLUE, Line, ORANGE, Panel, Scale};
 
 const COUNT: f64 = 2.57e-6;
 const TICK_HZ: f64 = 170e6;
@@ -167,9 +168,8 @@ fn lag(rows: &[&Row], estimate: impl Fn(&Row) -> f64) -> (f64, f64) {
     (lag, rms(inner.map(|k| estimate(rows[k]) - rows[k].truth + lag * slope(k))))
 }
 
-#[test]
-fn pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale() {
-    let Some(mut board) = Board::boot() else { return };
+pub fn pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale() {
+    let mut board = Board::boot();
     let pieces = placed();
     let track = Track::default();
     let path = pieces.clone();
@@ -256,42 +256,81 @@ fn pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale() {
     );
     assert!(below(1e-3) < 10.0 && below(1e-4) < 60.0 && below(1e-5) < 600.0);
 
-    let line = |name, colour, dots, points: Vec<(f64, f64)>| Series { name, colour, dots, points };
     let trace = |rows: &[&Row], from: f64, of: fn(&Row) -> f64| -> Vec<(f64, f64)> {
         rows.iter().map(|r| (r.t - from, 1e3 * of(r))).collect()
     };
     let some = &slow[150..650];
     let end = within(stopped - 0.01, stopped + 0.12);
-    let panels = [
+    let panels = vec![
         Panel {
             title: "error at steady speed".into(),
             axes: ["speed, mm/s", "std, mm/s"],
-            log: true,
-            series: vec![
-                line("fixed time, 1 ms", "#c33", false, table.iter().map(|r| (r.0, r.2)).collect()),
-                line("pulse interval (M/T)", "#06c", false, table.iter().map(|r| (r.0, r.1)).collect()),
+            scale: Scale::Logarithmic,
+            lines: vec![
+                Line::new("fixed time, 1 ms", ORANGE, table.iter().map(|r| (r.0, r.2)).collect()),
+                Line::new("pulse interval (M/T)", BLUE, table.iter().map(|r| (r.0, r.1)).collect()),
             ],
+            ..Panel::default()
         },
         Panel {
             title: "through a reversal: sine of 0.5 mm, 1 Hz".into(),
             axes: ["time, s", "velocity, mm/s"],
-            log: false,
-            series: vec![
-                line("fixed time, 1 ms", "#e99", true, trace(some, some[0].t, |r| r.fixed)),
-                line("pulse interval (M/T)", "#06c", false, trace(some, some[0].t, |r| r.pulse)),
-                line("truth", "#222", false, trace(some, some[0].t, |r| r.truth)),
+            lines: vec![
+                Line::new("fixed time, 1 ms", ORANGE, trace(some, some[0].t, |r| r.fixed)).dots(),
+                Line::new("pulse interval (M/T)", BLUE, trace(some, some[0].t, |r| r.pulse)),
+                Line::new("truth", BLACK, trace(some, some[0].t, |r| r.truth)),
             ],
+            ..Panel::default()
         },
         Panel {
             title: "stop from 20 mm/s".into(),
             axes: ["time, s", "velocity, mm/s"],
-            log: false,
-            series: vec![
-                line("fixed time, 1 ms", "#e99", true, trace(&end, stopped, |r| r.fixed)),
-                line("pulse interval (M/T)", "#06c", false, trace(&end, stopped, |r| r.pulse)),
-                line("truth", "#222", false, trace(&end, stopped, |r| r.truth)),
+            lines: vec![
+                Line::new("fixed time, 1 ms", ORANGE, trace(&end, stopped, |r| r.fixed)).dots(),
+                Line::new("pulse interval (M/T)", BLUE, trace(&end, stopped, |r| r.pulse)),
+                Line::new("truth", BLACK, trace(&end, stopped, |r| r.truth)),
             ],
+            ..Panel::default()
         },
     ];
-    println!("{}", plot::write("velocity", &panels).display());
+    println!("{}", plot::write("velocity", panels).display());
+}
+
+/// Edges of a constant speed, so that each comes a cycle later within the sampling of its period than the one before: at and
+/// between all of its instructions. Capture lag in cycles, periods between edges, direction.
+pub fn an_edge_at_any_instruction_of_the_sampling_leaves_the_velocity() {
+    const PERIOD: u64 = 170_000;
+    /// Cycles from the entry of the interrupt before and after the sampling.
+    const SWEEP: std::ops::Range<i64> = -30..190;
+    for (lag, periods, up) in [(4, 3, true), (4, 1, false), (4, 2, true), (0, 2, false), (40, 3, true)] {
+        let mut board = Board::boot();
+        board.machine.set_capture_lag(lag);
+        board.ok("stream on");
+        assert!(board.machine.run_to_control());
+        let interval = periods * PERIOD + 1;
+        board.machine.turn_encoder(interval.checked_add_signed(SWEEP.start).expect("a delay"), interval, up);
+        board.frames.clear();
+        board.run(1.0 * periods as f64 * SWEEP.count() as f64);
+        let samples: Vec<Sample> = board.samples().map(|(_, s)| s).collect();
+        assert!(samples.windows(2).all(|w| w[1].step == w[0].step.wrapping_add(1)), "a frame was lost");
+        let truth = if up { 1.0 } else { -1.0 } / interval as f64;
+        let mut estimator = Estimator::default();
+        let (mut worst, mut at_sample, mut counts) = (0.0_f64, 0, 0);
+        let first = samples.first().expect("samples").count;
+        for s in &samples {
+            estimator.sample(s.sample_ticks, s.count as u32, s.edge_ticks());
+            at_sample += u32::from(s.edge_age == 0);
+            counts = (s.count - first).unsigned_abs();
+            if counts >= 4 {
+                worst = worst.max((f64::from(estimator.counts_per_tick()) / truth - 1.0).abs());
+            }
+        }
+        println!(
+            "an edge every {periods} periods and a cycle, captured after {lag} cycles: {counts} edges, {at_sample} between stamp and count, velocity at most {:.5} % off",
+            100.0 * worst
+        );
+        assert!(counts as usize > SWEEP.count() - 10);
+        assert!(at_sample > 3, "no edge fell between the stamp and the count");
+        assert!(worst < 1e-3, "{worst}");
+    }
 }

@@ -4,8 +4,8 @@
 mod plant;
 
 use diagnose::{Options, diagnose};
-use identify::Recording;
 use plant::{Case, Hidden, Motion, record};
+use signals::Recording;
 
 fn main() {
     divan::main();

@@ -2,7 +2,7 @@
 //! `cargo run --release -p diagnose --example find -- rec.csv`
 
 use diagnose::{Options, diagnose};
-use identify::{ReadOptions, Recording};
+use signals::{ReadOptions, Recording};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("give a recording: time_s,position_m,force_n")?;

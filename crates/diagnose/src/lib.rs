@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use diagnose::{Options, Verdict, diagnose};
-//! use identify::Recording;
+//! use signals::Recording;
 //! let mut hidden = Recording::default();
 //! for i in 0..12_000 {
 //!     let t = f64::from(i) * 1e-3;
@@ -22,63 +22,41 @@
 //! }
 //! let found = diagnose(&[hidden], &[], &Options::default(), &|_, _| ())?;
 //! assert_eq!(found.verdict, Verdict::Mismatch);
-//! assert_eq!(found.missing[0].effect, "spring");
+//! assert!(found.missing[0].says.contains("like a spring"));
 //! # Ok::<(), diagnose::Error>(())
 //! ```
 //!
 //! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`] is the only entry; [`Diagnosis`] is both the
-//! JSON (`tribos.diagnosis/1`) and the series for the report.
+//! JSON (`tribos.diagnosis/2`) and the series for the report.
 #![forbid(unsafe_code)]
 
-mod acting;
-mod agreement;
-mod ambiguity;
-mod channel;
-mod design;
-mod drift;
-mod engine;
-mod export;
-mod flips;
-mod floor;
-mod free_run;
-mod intake;
-mod joint;
-mod known_error;
-mod linear;
-mod lines;
-mod locate;
-mod nuisance;
+mod experiment;
+mod findings;
+mod library;
+mod naming;
 mod options;
-mod refine;
-pub mod report;
+mod per_recording;
+mod pipeline;
+mod preparation;
+mod regression;
 mod result;
 mod search;
-mod sensor;
-mod signal;
-mod stage;
-mod static_branch;
-mod term;
-mod track;
-mod transport;
-mod unnamed;
-mod validate;
-mod wave;
-mod witness;
-mod words;
 
-pub use design::{ENOUGH, Experiment, Limits, Move, NextExperiment, WORTHWHILE};
-pub use engine::diagnose;
-pub use nuisance::{Nuisance, PerRecording};
+pub use experiment::moves::{Limits, Move};
+pub use experiment::proposal::{ENOUGH, Experiment, NextExperiment, WORTHWHILE};
+pub use findings::words::{ForceError, summary};
 pub use options::{Error, Options};
+pub use per_recording::{Nuisance, PerRecording};
+pub use pipeline::diagnose;
 pub use result::{
-    After, Baseline, Bin, Blind, Curve, Diagnosis, Figures, Location, Missing, NoiseFloor, Quantity,
-    Rejected, Remainder, SCHEMA, Validation, Verdict,
+    After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, LeftOut, Location, Missing,
+    NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,
 };
 
 /// Ids of every effect a diagnosis can name, in the order of the catalogue.
 #[must_use]
 pub fn effect_ids() -> Vec<&'static str> {
-    let named: Vec<&str> = term::TermKind::all().iter().map(term::TermKind::id).collect();
-    let others = channel::OF_CHANNELS.iter().map(|e| e.0).filter(|id| !named.contains(id));
-    named.iter().copied().chain(others).collect()
+    let named: Vec<&str> = library::term::TermKind::all().iter().map(library::term::TermKind::id).collect();
+    let compared = friction::effects::CATALOGUE.iter().filter(|a| a.comparison.is_some()).map(|a| a.id);
+    named.iter().copied().chain(compared.filter(|id| !named.contains(id))).collect()
 }

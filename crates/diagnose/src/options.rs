@@ -1,7 +1,7 @@
 //! What a caller may decide, and what can go wrong.
 
-use crate::design::Limits;
-use crate::nuisance::Nuisance;
+use crate::experiment::moves::Limits;
+use crate::per_recording::Nuisance;
 use std::fmt;
 
 /// Choices of a diagnosis; the default is right for most recordings.
@@ -21,6 +21,8 @@ pub struct Options {
     pub exclude: Vec<String>,
     /// What differs between recordings; everything else is shared.
     pub per_recording: Vec<Nuisance>,
+    /// Position is zero at the same place in every recording: the encoder is absolute, or was homed.
+    pub absolute: bool,
     /// What the device that makes the next move can do; what the recordings show when absent.
     pub limits: Option<Limits>,
     /// Open questions, an effect and its rival if it has one, that no more moves are to be made for.
@@ -37,6 +39,7 @@ impl Default for Options {
             beam_width: 3,
             exclude: Vec::new(),
             per_recording: Vec::new(),
+            absolute: false,
             limits: None,
             given_up: Vec::new(),
         }
@@ -52,6 +55,8 @@ pub(crate) const LARGEST: f64 = 1e50;
 pub enum Error {
     /// No recording was given.
     NoRecording,
+    /// A recording that cannot be prepared.
+    Recording(signals::Error),
     /// Recordings of a slide and of an axis cannot share parameters.
     MixedGeometry {
         /// Name of the first recording that differs.
@@ -101,6 +106,7 @@ impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoRecording => write!(f, "no recording to diagnose: give at least one"),
+            Self::Recording(error) => error.fmt(f),
             Self::MixedGeometry { name } => {
                 write!(f, "{name}: linear and rotary recordings cannot be diagnosed together")
             }
@@ -121,6 +127,12 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
+
+impl From<signals::Error> for Error {
+    fn from(error: signals::Error) -> Self {
+        Self::Recording(error)
+    }
+}
 
 impl Options {
     /// Checks the options.

@@ -1,13 +1,13 @@
-//! What a diagnosis says: the JSON of `tribos diagnose` (schema `tribos.diagnosis/1`) as types.
+//! What a diagnosis says: the JSON of `tribos diagnose` (schema `tribos.diagnosis/2`) as types.
 
-use crate::design::{Experiment, NextExperiment};
-use crate::nuisance::PerRecording;
-use identify::RecordingFault;
+use crate::experiment::proposal::{Experiment, NextExperiment};
+use crate::per_recording::PerRecording;
 use serde::Serialize;
+use signals::{Preparation, RecordingFault};
 use std::collections::BTreeMap;
 
 /// Version of the JSON layout.
-pub const SCHEMA: &str = "tribos.diagnosis/1";
+pub const SCHEMA: &str = "tribos.diagnosis/2";
 
 /// The answer to "does the simulation miss something here?".
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -95,6 +95,30 @@ pub struct Missing {
     pub indistinguishable_from: Vec<String>,
     /// The move that would tell them apart.
     pub experiment: String,
+}
+
+/// An effect that was named and does not predict what it was not fitted on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CarriesNot {
+    /// Catalogue id.
+    pub effect: String,
+    /// The regime or the recording where it fails, or the bound that its shape ends on.
+    pub regime: String,
+    /// Error there without it; NaN (null) where it is withdrawn for a bound.
+    pub rms_before: f64,
+    /// Error there with it, fitted on the rest.
+    pub rms_after: f64,
+}
+
+/// Error on what was not fitted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// The recordings, or the regime of the recording that was left out.
+    pub on: String,
+    /// Error of the baseline there.
+    pub rms_before: f64,
+    /// Error there of the model with everything that was named.
+    pub rms_after: f64,
 }
 
 /// An effect this recording cannot show.
@@ -226,6 +250,9 @@ pub struct Diagnosis {
     pub summary: String,
     /// Faults of the recording, which are not physics.
     pub recording_faults: Vec<RecordingFault>,
+    /// What was done to each recording before anything was fitted. Of the faults, those that only the fit could see are
+    /// not in it.
+    pub preparation: Vec<Preparation>,
     /// Repeatability.
     pub noise_floor: NoiseFloor,
     /// The model without the missing physics.
@@ -234,6 +261,12 @@ pub struct Diagnosis {
     pub location: Vec<Location>,
     /// What is missing, by held-out gain.
     pub missing: Vec<Missing>,
+    /// Faults of a channel that were repaired before anything was fitted: no physics that a simulation must contain.
+    pub instruments: Vec<Missing>,
+    /// What was named and withdrawn, because it does not hold where it was not fitted.
+    pub does_not_carry_over: Vec<CarriesNot>,
+    /// Error on what was not fitted: recordings given to judge, or the regime left out in which the model does worst.
+    pub left_out: Option<LeftOut>,
     /// What cannot be seen here.
     pub blind_to: Vec<Blind>,
     /// What was ruled out.

@@ -4,10 +4,10 @@
 //! file's own.
 
 use diagnose::{Diagnosis, Options, Verdict, WORTHWHILE, diagnose};
-use identify::Recording;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use signals::Recording;
 use std::f64::consts::TAU;
 
 /// Hz; no reversal falls on a sample.

@@ -131,7 +131,7 @@ fn a_wave_on_the_encoder_was_taken_for_torque_ripple_where_there_is_an_accelerom
             assert!((quantity.value - truth).abs() < 4.0 * quantity.std, "{name}: {quantity:?}");
         }
         assert!((said("amplitude").value / amplitude - 1.0).abs() < 0.05);
-        assert!(d.recording_faults.iter().any(|f| f.kind == identify::FaultKind::EncoderWave));
+        assert!(d.recording_faults.iter().any(|f| f.kind == signals::FaultKind::EncoderWave));
     }
 }
 

@@ -1,11 +1,11 @@
-//! The JSON of DESIGN.md, faults told as faults, and recordings that cannot answer.
+//! The layout of the JSON, faults told as faults, and recordings that cannot answer.
 
 mod plant;
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose};
-use identify::{FaultKind, Recording};
 use plant::{Case, Hidden, record};
 use serde_json::Value;
+use signals::{FaultKind, Recording};
 
 fn run(recordings: &[Recording]) -> Diagnosis {
     diagnose(recordings, &[], &Options::default(), &|_, _| ()).expect("a diagnosis")
@@ -43,11 +43,11 @@ fn the_json_has_every_key_of_the_design() {
             "remainder",
         ],
     );
-    assert_eq!(json["schema"], "tribos.diagnosis/1");
+    assert_eq!(json["schema"], "tribos.diagnosis/2");
     assert_eq!(json["verdict"], "mismatch");
     has(&json["noise_floor"], &["rms", "unit", "how"]);
     assert!(
-        ["repeats", "local differences", "declared"]
+        ["repeats", "local differences", "declared", "quantum"]
             .contains(&json["noise_floor"]["how"].as_str().expect("how"))
     );
     has(&json["baseline"], &["law", "parameters", "rms_heldout"]);

@@ -1,21 +1,34 @@
 //! The EMPS benchmark, a real recording: an electro-mechanical positioning system with a ball screw.
 
+#[macro_use]
+extern crate untested; // `println!` is shown only when a test fails, or with --nocapture
+
 use diagnose::{Options, Verdict, diagnose};
 use friction::effects::EffectState;
 use friction::{Law, Motion};
-use identify::{KarnoppOptions, Map, Model, Preprocess, ReadOptions, Recording, identify_karnopp, prepare};
-use std::path::Path;
+use identify::{KarnoppOptions, Model, Preprocess, identify_karnopp, prepare};
+use signals::{Map, ReadOptions, Recording};
+use std::process::ExitCode;
 use std::time::Instant;
+use untested::{Need, recordings};
 
-fn emps() -> Option<Recording> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/emps/DATA_EMPS.mat");
-    if !path.exists() {
-        assert!(std::env::var_os("CI").is_none(), "{} is needed under CI", path.display());
-        eprintln!("skipped: {} is not here", path.display());
-        return None;
-    }
+const FILE: &str = "emps/DATA_EMPS.mat";
+
+static EMPS: Need = Need::new(|| recordings(FILE).err());
+
+fn main() -> ExitCode {
+    untested::run!(
+        tests![
+            emps_mismatch_is_located_and_named_on_blocks_that_were_held_out,
+            the_frozen_model_beats_the_published_one_at_speeds_and_times_it_has_not_seen,
+        ]
+        .needing(&EMPS)
+    )
+}
+
+fn emps() -> Recording {
     let map: Map = "time_s=t,position_m=qm,force_n=gtau*vir,reference_m=qg".parse().expect("a map");
-    Some(Recording::read(path, &ReadOptions { map: Some(map) }).expect("EMPS"))
+    Recording::read(recordings(FILE).expect("a path"), &ReadOptions { map: Some(map) }).expect("EMPS")
 }
 
 fn part(recording: &Recording, from: usize, to: usize) -> Recording {
@@ -28,9 +41,8 @@ fn part(recording: &Recording, from: usize, to: usize) -> Recording {
     }
 }
 
-#[test]
 fn emps_mismatch_is_located_and_named_on_blocks_that_were_held_out() {
-    let Some(recording) = emps() else { return };
+    let recording = emps();
     let begun = Instant::now();
     let found = diagnose(&[recording], &[], &Options::default(), &|_, _| ()).expect("a diagnosis");
     println!("{}\n{:.1} s", found.summary, begun.elapsed().as_secs_f64());
@@ -167,9 +179,8 @@ fn closed_loop(model: &Model, recording: &Recording) -> (f64, f64) {
     (f64::sqrt(force_error / force), f64::sqrt(way_error / reference.len() as f64))
 }
 
-#[test]
 fn the_frozen_model_beats_the_published_one_at_speeds_and_times_it_has_not_seen() {
-    let Some(recording) = emps() else { return };
+    let recording = emps();
     let n = recording.len();
     let all = |_: f64| true;
     let plain = |r: &Recording| {

@@ -51,7 +51,7 @@ fn nothing_hidden_is_said_to_be_nothing() {
     assert!(quiet * 10 >= total * 9, "{quiet} of {total}");
 }
 
-/// The thesis's experiment on each material of table 3-3, with the noise of table 3-2: eight runs of 2 s together, as
+/// The experiment of [thesis, ch. 3.5] on each material of [thesis, table 3-3], with the noise of [thesis, table 3-2]: eight runs of 2 s together, as
 /// one run alone is too short to hold blocks out.
 #[test]
 fn the_thesis_experiment_hides_nothing() {
@@ -62,14 +62,14 @@ fn the_thesis_experiment_hides_nothing() {
         for case in 0..20 {
             let run = |seed| {
                 let series = experiment.recording(seed);
-                identify::Recording {
+                signals::Recording {
                     name: format!("{} {seed}", material.name),
                     time: series.time.clone(),
                     position: series.position.clone(),
                     force: series.force.clone(),
                     velocity: Some(series.velocity.clone()),
                     acceleration: Some(series.acceleration.clone()),
-                    ..identify::Recording::default()
+                    ..signals::Recording::default()
                 }
             };
             let recordings: Vec<_> = (8 * case..8 * case + 8).map(run).collect();

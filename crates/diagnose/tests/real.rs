@@ -1,24 +1,43 @@
 //! Recordings of real machines, each with physics that is known from how it was built.
 //! `cargo test -p diagnose --test real -- --nocapture` prints what is found and how it does on what was not fitted.
 
-use diagnose::{Diagnosis, Options, Verdict, diagnose};
-use identify::{FaultKind, Map, ReadOptions, Recording};
-use std::path::PathBuf;
+#[macro_use]
+extern crate untested; // `println!` is shown only when a test fails, or with --nocapture
 
-/// Files of a folder of the shared data whose name contains `part`, or None with a line that says so.
-fn files(folder: &str, part: &str) -> Option<Vec<PathBuf>> {
-    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(folder);
-    let Ok(list) = std::fs::read_dir(&dir) else {
-        assert!(std::env::var_os("CI").is_none(), "{} is needed under CI", dir.display());
-        println!("SKIPPED: {} is not there", dir.display());
-        return None;
-    };
+use diagnose::{Diagnosis, Options, Verdict, diagnose};
+use signals::{FaultKind, Map, ReadOptions, Recording};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use untested::{Need, recordings};
+
+static SILVERBOX: Need = Need::new(|| recordings("silverbox/SNLS80mV.mat").err());
+static SERVO_PENDULUM: Need = Need::new(|| recordings("servo_pendulum").err());
+static SEAL: Need = Need::new(|| recordings("pneumatic_seal").err());
+
+static MACHINES: Need = Need::new(|| {
+    let folders = ["iiwa_joints", "mtm_joints", "friction_damper", "hsm150", "rack_pinion", "rock_steps"];
+    folders.iter().find_map(|folder| recordings(folder).err())
+});
+
+fn main() -> ExitCode {
+    untested::run!(
+        tests![silverbox_is_a_nonlinear_spring_without_dry_friction].needing(&SILVERBOX),
+        tests![a_servo_with_a_pendulum_lifts_it_against_gravity].needing(&SERVO_PENDULUM),
+        tests![a_pneumatic_seal_rubs_harder_under_pressure].needing(&SEAL),
+        tests![a_frozen_model_is_no_worse_than_the_baseline_on_the_next_record].needing(&MACHINES),
+        tests![motion_in_one_direction_is_a_recording].needing(&MACHINES),
+    )
+}
+
+/// Files of a folder of recordings whose name contains `part`.
+fn files(folder: &str, part: &str) -> Vec<PathBuf> {
+    let list = std::fs::read_dir(recordings(folder).expect("a folder")).expect("a listing");
     let mut out: Vec<PathBuf> = list
         .filter_map(|e| Some(e.ok()?.path()))
         .filter(|p| p.file_name().is_some_and(|n| n.to_string_lossy().contains(part)))
         .collect();
     out.sort();
-    Some(out)
+    out
 }
 
 fn read(path: &PathBuf, map: &str) -> Recording {
@@ -95,9 +114,8 @@ const DRY: [&str; 8] = [
     "periodic_friction",
 ];
 
-#[test]
 fn silverbox_is_a_nonlinear_spring_without_dry_friction() {
-    let Some(files) = files("silverbox", "SNLS80mV.mat") else { return };
+    let files = files("silverbox", "SNLS80mV.mat");
     let all = read(&files[0], "time_s=index/610.35,position_m=V2,force_n=V1");
     // The end of the growing noise, where the spring's stiffening is more than a hundredth of what is left out; two of
     // the ten multisines and what came before judge.
@@ -126,9 +144,8 @@ fn silverbox_is_a_nonlinear_spring_without_dry_friction() {
 const SERVO: &str = "time_s=timestamp,position_rad=position,\
     torque_nm=vin*torque_enable*max(-0.97,min(0.97,0.166*kp*(goal_position-position)))";
 
-#[test]
 fn a_servo_with_a_pendulum_lifts_it_against_gravity() {
-    let Some(files) = files("servo_pendulum", ".json") else { return };
+    let files = files("servo_pendulum", ".json");
     let all: Vec<Recording> = files.iter().map(|f| read(f, SERVO)).collect();
     assert_eq!(all.len(), 4);
     // With the torque off the winding is open: without its back-EMF it is another machine.
@@ -155,9 +172,8 @@ fn a_servo_with_a_pendulum_lifts_it_against_gravity() {
     assert!(found.validation.iter().all(|v| v.relative_after < v.relative_before));
 }
 
-#[test]
 fn a_pneumatic_seal_rubs_harder_under_pressure() {
-    let Some(files) = files("pneumatic_seal", "Circle_") else { return };
+    let files = files("pneumatic_seal", "Circle_");
     // ms, …, laser mm, pressure bar, force N. The pressure pushes the rod with 50 N/bar, the mean of force over pressure
     // in each of the files, and presses the lips on the wall in proportion.
     let map = "time_s=c1/1000,position_m=c5/1000,force_n=c7-50*c6,normal_force_n=50*c6";
@@ -169,4 +185,36 @@ fn a_pneumatic_seal_rubs_harder_under_pressure() {
     assert!(names(&found, "load_dependent_friction"));
     let v = &found.validation[0];
     assert!(v.relative_after < v.relative_before);
+}
+
+/// A recording whose header is one of tribos's own.
+fn given(file: &str) -> Recording {
+    let path = recordings(file).expect("a recording");
+    Recording::read(path, &ReadOptions::default()).expect("a recording")
+}
+
+/// A record of a machine, and the next one.
+const NEXT: [(&str, &str); 5] = [
+    ("iiwa_joints/joint1_vel_p15.csv", "iiwa_joints/joint1_vel_p3.csv"),
+    ("hsm150/idf_pos_0.06_1.csv", "hsm150/idf_pos_0.06_2.csv"),
+    ("friction_damper/d1_1Hz_22lb.csv", "friction_damper/d1_0.5Hz_25lb.csv"),
+    ("mtm_joints/mtm_one_j1.csv", "mtm_joints/mtm_two_j1.csv"),
+    ("mtm_joints/mtm_two_j5.csv", "mtm_joints/mtm_one_j5.csv"),
+];
+
+fn a_frozen_model_is_no_worse_than_the_baseline_on_the_next_record() {
+    for (train, judge) in NEXT {
+        let found = found(&[given(train)], &[given(judge)]);
+        let v = found.validation.first().expect("a judgement");
+        println!("{train} -> {judge}: {:.4} -> {:.4}", v.rms_before, v.rms_after);
+        assert!(v.rms_after <= 1.0001 * v.rms_before, "{train}");
+    }
+}
+
+fn motion_in_one_direction_is_a_recording() {
+    for file in ["hsm150/idf_pos_0.06_1.csv", "rack_pinion/run.csv", "rock_steps/sepiolite.csv"] {
+        let found = found(&[given(file)], &[]);
+        assert_ne!(found.verdict, Verdict::NotTestable, "{file}");
+        assert!(!found.after.parameters.contains_key("coulomb_n"), "{file}: it only goes forward");
+    }
 }

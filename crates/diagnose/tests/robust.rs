@@ -7,11 +7,11 @@
 mod plant;
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose};
-use identify::{FaultKind, ReadOptions, Recording};
 use plant::{Case, Hidden, Motion, record};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use signals::{FaultKind, ReadOptions, Recording};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
@@ -541,7 +541,7 @@ fn judge(kind: &Kind, input: Input) -> Option<String> {
     if testable && !numbers.iter().all(|x| x.is_finite()) {
         return Some(format!("{:?} with {numbers:?}", found.verdict));
     }
-    if !json.contains("tribos.diagnosis/1") || found.summary.is_empty() {
+    if !json.contains("tribos.diagnosis/2") || found.summary.is_empty() {
         return Some("no summary".into());
     }
     let kinds: Vec<FaultKind> = found.recording_faults.iter().map(|f| f.kind).collect();

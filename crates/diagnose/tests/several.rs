@@ -3,8 +3,8 @@
 mod plant;
 
 use diagnose::{Diagnosis, Error, Nuisance, Options, diagnose};
-use identify::{Geometry, Recording};
 use plant::{Case, Hidden, Motion, record};
+use signals::{Geometry, Recording};
 
 fn slide(hidden: Hidden, motion: Motion, seed: u64) -> Recording {
     let case = Case { hidden: [hidden, Hidden::Nothing], motion, seconds: 10.0, seed, ..Case::default() };

@@ -1,4 +1,4 @@
-//! A law chosen at run time: what a preset names.
+//! A law chosen at run time, as a preset names it.
 
 use crate::coulomb::CoulombState;
 use crate::dahl::DahlState;
@@ -6,7 +6,18 @@ use crate::lugre::LuGreState;
 use crate::{Coulomb, Dahl, FrictionLaw, Invalid, Karnopp, LuGre, Motion, Scalar};
 use serde::{Deserialize, Serialize};
 
-/// One of the complete laws.
+/// A law chosen at run time.
+///
+/// ```
+/// use friction::{FrictionLaw, Law, LawState, LuGre, Motion};
+/// let law = Law::LuGre(LuGre {
+///     sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.0, coulomb: 1.0, stiction: 1.0, stribeck_velocity: 1e-3,
+/// });
+/// let mut state = LawState::default();
+/// let force: f64 = law.step(&mut state, &Motion { displacement: 1e-2, ..Motion::default() });
+/// assert!((force - 1.0).abs() < 1e-12);
+/// assert_eq!(law.id(), "lugre");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Law<S> {
@@ -20,25 +31,25 @@ pub enum Law<S> {
     LuGre(LuGre<S>),
 }
 
-/// What a [`Law`] remembers. A law that meets the memory of another kind starts from a fresh contact.
+/// State of a [`Law`]. A law given the state of another law starts from a fresh contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum LawState<S> {
-    /// Nothing: Karnopp has no memory, and every law starts here.
+    /// No memory: the state of Karnopp, and the start of every law.
     #[default]
     Fresh,
-    /// Memory of [`Dahl`].
+    /// State of [`Dahl`].
     Dahl(DahlState<S>),
-    /// Memory of [`Coulomb`].
+    /// State of [`Coulomb`].
     Coulomb(CoulombState),
-    /// Memory of [`LuGre`].
+    /// State of [`LuGre`].
     LuGre(LuGreState<S>),
 }
 
 impl<S> Law<S> {
-    /// Every id, in the order they are listed to a user.
+    /// Every id, in the order shown to a user.
     pub const IDS: [&'static str; 4] = ["karnopp", "dahl", "coulomb", "lugre"];
 
-    /// The name a user types.
+    /// Id of the law, as a user types it.
     pub fn id(&self) -> &'static str {
         match self {
             Self::Karnopp(_) => "karnopp",
@@ -49,8 +60,8 @@ impl<S> Law<S> {
     }
 }
 
-/// Steps a law with its own part of the memory. One function a law: together, each would save the registers that any of
-/// them needs, a twentieth of a control step.
+/// Steps a law with its own state. Each law has a function of its own: in a common one every law would save the registers
+/// that any of them needs, which costs a twentieth of a control step.
 macro_rules! with_memory {
     ($($name:ident, $law:ident;)*) => {
         impl<S: Scalar> LawState<S> {
@@ -74,7 +85,7 @@ with_memory! {
 impl<S: Scalar> FrictionLaw<S> for Law<S> {
     type State = LawState<S>;
 
-    // Karnopp's law, which every built-in preset has, in line: beside the others it would save their registers
+    // inline: every built-in preset uses Karnopp, and in a common function it would save the registers of the others
     #[inline(always)]
     fn step(&self, state: &mut LawState<S>, motion: &Motion<S>) -> S {
         match self {

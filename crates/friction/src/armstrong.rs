@@ -1,9 +1,9 @@
-//! Armstrong's integrated model: presliding spring, Coulomb, viscous, Stribeck, frictional memory, rising stiction.
+//! Armstrong's seven-parameter model: presliding, Coulomb, viscous, Stribeck, frictional memory, rising stiction.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// The seven-parameter model (Armstrong-Hélouvry, Dupont, Canudas de Wit 1994), section 2.4.6.
+/// The seven-parameter model [armstrong-1994] [thesis, ch. 2.4.6].
 ///
 /// ```text
 /// stuck:    F = k_t z,                  until |F| = F_C + F_S(t₂)
@@ -11,10 +11,22 @@ use serde::{Deserialize, Serialize};
 /// F_S(γ, t₂) = F_Sa + (F_S∞ − F_Sa) t₂/(t₂ + γ)
 /// ```
 ///
-/// t₂ is the dwell time, F_Sa the magnitude of the Stribeck friction at the end of the sliding before, v_L the velocity
-/// with the frictional memory τ_L. Armstrong delays it by τ_L; here τ_L is the time constant of a first-order lag (the
-/// thesis's word), which needs no store of past velocities. The contact sticks where the motion reverses or stops, and
-/// its spring begins with the force it slid with.
+/// t₂ is the dwell time, F_Sa the Stribeck friction at the end of the previous slide, and v_L the velocity with the
+/// frictional memory τ_L. The source delays v by τ_L; here τ_L is the time constant of a first-order lag, which needs no
+/// store of past velocities. The contact sticks where the motion reverses or stops, and its spring then starts from the
+/// sliding force.
+///
+/// ```
+/// use friction::{Armstrong, ArmstrongState, FrictionLaw, Motion};
+/// let law = Armstrong {
+///     coulomb: 2.0, viscous: 0.0, stribeck: 1.0, stiffness: 1e5, stribeck_velocity: 0.01, memory: 0.0, dwell: 0.1,
+/// };
+/// let mut state = ArmstrongState::default();
+/// let stuck = Motion { dt: 1e-3, displacement: 1e-5, velocity: 0.01, ..Motion::default() };
+/// assert!((law.step(&mut state, &stuck) - 1.0_f64).abs() < 1e-12); // the spring k_t
+/// let fast = Motion { dt: 1e-3, displacement: 1e-2, velocity: 10.0, ..Motion::default() };
+/// assert!((law.step(&mut state, &fast) - 2.0).abs() < 1e-6); // Coulomb friction, far above v_s
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Armstrong<S> {
     /// Coulomb friction F_C, N.
@@ -33,20 +45,20 @@ pub struct Armstrong<S> {
     pub dwell: S,
 }
 
-/// What [`Armstrong`] remembers.
+/// State of [`Armstrong`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmstrongState<S> {
-    /// Force of the contact without its viscous part, N.
+    /// Force of the contact without the viscous part, N.
     pub spring: S,
-    /// The contact slides.
+    /// Whether the contact slides.
     pub sliding: bool,
     /// Dwell time t₂, s.
     pub dwelt: S,
     /// Stribeck friction at break-away, F_S(γ, t₂), N.
     pub risen: S,
-    /// Stribeck friction at the end of the sliding before, F_Sa, N.
+    /// Stribeck friction at the end of the previous slide, F_Sa, N.
     pub left: S,
-    /// Velocity with the frictional memory, m/s.
+    /// Velocity after the frictional memory, v_L, m/s.
     pub lagged: S,
 }
 
@@ -58,7 +70,14 @@ impl<S: Scalar> Default for ArmstrongState<S> {
 }
 
 impl<S: Scalar> Armstrong<S> {
-    /// F_S(γ, t₂), N.
+    /// Stribeck friction F_S(γ, t₂) after the dwell time `dwelt`, in s, starting from `left`, N.
+    ///
+    /// ```
+    /// # let law = friction::Armstrong {
+    /// #     coulomb: 2.0, viscous: 0.0, stribeck: 1.0, stiffness: 1e5, stribeck_velocity: 0.01, memory: 0.0, dwell: 0.1,
+    /// # };
+    /// assert_eq!(law.risen(0.4, 0.1), 0.7); // halfway to F_S∞ after γ
+    /// ```
     pub fn risen(&self, left: S, dwelt: S) -> S {
         let share = if dwelt > S::zero() { dwelt / (dwelt + self.dwell) } else { S::zero() };
         left + (self.stribeck - left) * share
@@ -88,7 +107,7 @@ impl<S: Scalar> FrictionLaw<S> for Armstrong<S> {
             let level = self.coulomb + risen;
             state.spring += self.stiffness * dx;
             if state.spring.abs() <= level {
-                // the spring's damping is the viscous friction, so that a stuck body comes to rest
+                // viscous friction damps the spring, so that a stuck body comes to rest
                 return limits::bounded(state.spring + self.viscous * v);
             }
             state.sliding = true;

@@ -1,23 +1,33 @@
-//! Haessig and Friedland's bristles: bonds that stretch, snap and form anew at random.
+//! Haessig and Friedland's bristle model: bonds that stretch, snap and form again at random.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Draws before a bond that was carried far beyond its snapping point is placed by its steady distribution.
+/// Number of draws after which a bond far beyond its snapping point is drawn from the steady distribution.
 const DRAWS: usize = 4;
 
-/// The bristle model (Haessig and Friedland 1991), eq. 2.5 and 2.6, with `N` bonds; each is 1/N of the contact.
+/// The bristle model [haessig-1991] [thesis, eq. 2.5 and 2.6] with `N` bonds. Each bond is 1/N of the contact.
 ///
 /// ```text
 /// F = Σ (σ/N)(x_i − b_i);   |x_i − b_i| > Δ:  b_i ← b_i + uniform(Δ) sgn(x_i − b_i)
 /// ```
 ///
-/// Bonds renew after distances uniform in [0, Δ], so in steady sliding the deflection left to the snapping point has
-/// the density 2(1 − r/Δ)/Δ and its mean is Δ/3: the friction is σ·2Δ/3, and fluctuates by σΔ/√(18 N) while a fresh
-/// contact breaks away at σΔ. `level` is the steady friction, so Δ = 1.5 level/σ.
+/// Bonds form again after distances uniform in [0, Δ]. In steady sliding the distance r to the snapping point therefore has
+/// the density 2(1 − r/Δ)/Δ and the mean Δ/3: the friction is σ·2Δ/3 and fluctuates by σΔ/√(18 N). A fresh contact breaks
+/// away at σΔ. `level` is the steady friction, so Δ = 1.5 level/σ.
 ///
-/// The force is rough: that is the model. It costs one addition and one comparison a bond and step, fifty are enough
-/// (section 2.4.4).
+/// The force is rough by design of the model. A step costs one addition and one comparison for each bond; fifty bonds are
+/// enough [thesis, ch. 2.4.4].
+///
+/// ```
+/// use friction::{Bristle, BristleState, FrictionLaw, Motion};
+/// let law: Bristle<f64, 50> = Bristle { stiffness: 1e5, level: 2.0, viscous: 0.0 };
+/// let mut state = BristleState::default();
+/// let step = Motion { displacement: 1e-5, ..Motion::default() };
+/// assert!((law.step(&mut state, &step) - 1.0).abs() < 1e-12); // a fresh contact is the spring σ
+/// let mean = (0..20_000).map(|_| law.step(&mut state, &step)).sum::<f64>() / 20_000.0;
+/// assert!((mean - 2.0).abs() < 0.02);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bristle<S, const N: usize = 50> {
     /// Stiffness of all bonds together σ, N/m.
@@ -28,12 +38,12 @@ pub struct Bristle<S, const N: usize = 50> {
     pub viscous: S,
 }
 
-/// What [`Bristle`] remembers.
+/// State of [`Bristle`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BristleState<S, const N: usize = 50> {
-    /// Deflection of each bond, in snapping points: −1 … 1.
+    /// Deflection of each bond in units of the snapping point, −1 to 1.
     pub deflection: [S; N],
-    /// State of the xorshift generator (Marsaglia 2003), never 0.
+    /// State of the xorshift generator [marsaglia-2003], never 0.
     pub random: u32,
 }
 
@@ -44,7 +54,7 @@ impl<S: Scalar, const N: usize> Default for BristleState<S, N> {
 }
 
 impl<S: Scalar, const N: usize> BristleState<S, N> {
-    /// Uniform in [0, 1).
+    /// Random number, uniform in [0, 1).
     fn uniform(&mut self) -> S {
         let mut x = self.random;
         x ^= x << 13;
@@ -57,6 +67,11 @@ impl<S: Scalar, const N: usize> BristleState<S, N> {
 
 impl<S: Scalar, const N: usize> Bristle<S, N> {
     /// Snapping point Δ, m.
+    ///
+    /// ```
+    /// let law: friction::Bristle<f64> = friction::Bristle { stiffness: 1e5, level: 2.0, viscous: 0.0 };
+    /// assert!((law.snapping_point() - 3e-5).abs() < 1e-18);
+    /// ```
     pub fn snapping_point(&self) -> S {
         S::lit(1.5) * self.level / self.stiffness
     }

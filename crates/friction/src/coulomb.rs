@@ -1,17 +1,30 @@
-//! Coulomb friction as a stopping force: it sticks exactly, without a velocity dead band.
+//! Coulomb friction as a stopping force: sticks exactly, without a velocity dead band.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Coulomb and viscous friction with break-away, by clipping the force that would bring the body to rest
-/// within this step: F = clamp(m v / dt + F_a, −limit_n, limit_p).
+/// Coulomb and viscous friction with break-away: the force that would stop the body within this step, clipped to the
+/// friction level. F = clamp(m v / dt + F_a, −limit_n, limit_p).
 ///
-/// The clipped force is the implicit solution F ∈ level·Sgn(v at the end of the step), so a body comes to rest
-/// in finite time and stays there: no dead band, no creep, no zero-crossing limit cycle at any step length.
-/// The limit is `static_*` for a body at rest or about to turn back, `level_* + viscous_* |v|` for one that slides.
+/// The clipped force is the implicit solution F ∈ level·Sgn(v at the end of the step). A body comes to rest in finite
+/// time and stays there: no dead band, no creep, no zero-crossing limit cycle at any step length. The limit is `static_*`
+/// for a body at rest or about to reverse, `level_* + viscous_* |v|` for a sliding one.
 ///
-/// With `mass = 0` there is nothing to stop: F = (level + viscous |v|) sgn v while v ≠ 0, and F_a is balanced
-/// up to `static_*` at v = 0.
+/// With `mass = 0` the law cannot stop anything: F = (level + viscous |v|) sgn v while v ≠ 0, and at v = 0 it balances
+/// F_a up to `static_*`.
+///
+/// ```
+/// use friction::{Coulomb, CoulombState, FrictionLaw, Motion};
+/// let law = Coulomb { level_p: 3.0, level_n: 3.0, static_p: 3.5, static_n: 3.5, viscous_p: 0.0, viscous_n: 0.0 };
+/// let mut state = CoulombState { sliding: true };
+/// // 0.5 kg at 1 mm/s: half a newton brings it to rest within 1 ms
+/// let slow = Motion { dt: 1e-3, velocity: 1e-3, mass: 0.5, ..Motion::default() };
+/// assert!((law.step(&mut state, &slow) - 0.5_f64).abs() < 1e-12);
+/// assert!(!state.sliding);
+/// // from rest the load must exceed the static friction
+/// let held = Motion { dt: 1e-3, applied: 3.4, mass: 0.5, ..Motion::default() };
+/// assert_eq!(law.step(&mut state, &held), 3.4);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Coulomb<S> {
     /// Dynamic friction in positive motion, N.
@@ -28,11 +41,11 @@ pub struct Coulomb<S> {
     pub viscous_n: S,
 }
 
-/// What [`Coulomb`] remembers.
+/// State of [`Coulomb`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CoulombState {
-    /// The contact broke away and has not been brought to rest since. (v alone cannot tell: after a stop it is
-    /// zero only up to rounding.)
+    /// The contact broke away and has not come to rest since. The velocity cannot tell: after a stop it is zero only
+    /// up to rounding.
     pub sliding: bool,
 }
 
@@ -51,7 +64,7 @@ impl<S: Scalar> FrictionLaw<S> for Coulomb<S> {
             state.sliding = true;
             return limits::bounded(if v > zero { slide_p } else { -slide_n });
         }
-        // A sliding body has no static friction ahead of it, only across a reversal.
+        // a sliding body meets static friction only across a reversal
         let hold_p = if state.sliding && v > zero { slide_p } else { slide_p.max(self.static_p) };
         let hold_n = if state.sliding && v < zero { slide_n } else { slide_n.max(self.static_n) };
         let stop = motion.stopping_force();

@@ -1,21 +1,31 @@
-//! Dahl's friction, modified for different limits in the two directions (thesis eq. 3.2, 3.3).
+//! Dahl friction with separate limits for each direction.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Modified Dahl friction, eq. 3.2 and 3.3. Limits are magnitudes.
+/// Modified Dahl friction [dahl-1968] [thesis, eq. 3.2 and 3.3]. Limits are magnitudes.
 ///
 /// ```text
 /// dz/dx = σ |1 − s z/D|^i sgn(1 − s z/D),  s = sgn(dx),  D = D_p or D_n by s
 /// F = z + b v
 /// ```
 ///
-/// The thesis notes that the model is unstable when σ is large. That is Euler's doing, not Dahl's: in the gap
-/// g = D − s z the equation is dg/|dx| = −σ (g/D)^i, which has a closed solution for every i, and this law steps by it.
-/// So any σ and any displacement are stable, z never leaves [−D_n, D_p], and the force does not depend
-/// on how a displacement was cut into steps.
+/// Integrated with Euler's method the model is unstable for large σ [thesis, ch. 3.5]. Written for the gap g = D − s z
+/// the equation is dg/|dx| = −σ (g/D)^i, which has a closed solution for every i. This law uses that solution: any σ and
+/// any displacement are stable, z stays within [−D_n, D_p], and the force does not depend on how a displacement is
+/// divided into steps.
 ///
-/// Under a load that vibrates, every Dahl model drifts (each half cycle gives back less than it took).
+/// Every Dahl model drifts under a vibrating load: each half cycle returns less displacement than it took.
+///
+/// ```
+/// use friction::{Dahl, DahlState, FrictionLaw, Motion};
+/// // aluminium on Teflon, [thesis, table 3-4]
+/// let teflon = Dahl { limit_p: 0.6389, limit_n: 0.5774, sigma: 10_000.0, exponent: 1.0, viscous: 0.3838 };
+/// let mut state = DahlState::default();
+/// let presliding = Motion { displacement: 0.6389e-4, ..Motion::default() }; // D/σ
+/// let force: f64 = teflon.step(&mut state, &presliding);
+/// assert!((force - 0.6389 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Dahl<S> {
     /// Friction limit in positive motion, D_p, N.
@@ -24,16 +34,16 @@ pub struct Dahl<S> {
     pub limit_n: S,
     /// Stiffness at z = 0, σ, N/m.
     pub sigma: S,
-    /// Shape i, dimensionless: 1 decays exponentially, 0 is an ideal spring and slider.
+    /// Shape exponent i, dimensionless: 1 is an exponential approach to the limit, 0 an ideal spring with a slider.
     pub exponent: S,
     /// Viscous friction b, N·s/m.
     pub viscous: S,
 }
 
-/// What [`Dahl`] remembers.
+/// State of [`Dahl`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DahlState<S> {
-    /// Friction without its viscous part, z, N.
+    /// Friction force without the viscous part, z, N.
     pub z: S,
 }
 
@@ -44,9 +54,9 @@ impl<S: Scalar> Default for DahlState<S> {
 }
 
 impl<S: Scalar> Dahl<S> {
-    /// What is left of the gap D − s z after sliding `distance`, as a share of what it was.
+    /// Fraction of the gap D − s z that remains after sliding `distance`.
     fn decay(&self, gap: S, limit: S, distance: S) -> S {
-        // A cap in place of infinity (and of 0·∞, which only a vanishing limit gives): both slide to the limit.
+        // Infinity, and 0·∞ from a vanishing limit, are capped: both slide to the limit.
         let cap = S::lit(1e30);
         let slid = cap.min(self.sigma * distance / limit);
         let one = S::one();
@@ -55,10 +65,10 @@ impl<S: Scalar> Dahl<S> {
         }
         let over = self.exponent - one;
         let slid = cap.min(slid * (gap / limit).powf(over));
-        // (1 + y)^(−1/over) with y = over·slid, written so that it passes smoothly through over = 0.
+        // (1 + y)^(−1/over) with y = over·slid, smooth through over = 0
         let y = over * slid;
         if y <= -one {
-            return S::zero(); // i < 1 reaches its limit in a finite distance
+            return S::zero(); // i < 1 reaches the limit in a finite distance
         }
         let rate = if y.abs() < S::lit(1e-3) {
             one - y * (S::lit(0.5) - y * (S::lit(1.0 / 3.0) - y * (S::lit(0.25) - y * S::lit(0.2))))

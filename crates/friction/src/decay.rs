@@ -1,8 +1,13 @@
-//! What an exponential decay leaves on the mean.
+//! Mean of an exponential decay.
 
 use crate::Scalar;
 
-/// (1 − e^−q)/q for q ≥ 0, the mean of e^−x from 0 to q, smooth through q = 0: the difference cancels there.
+/// Mean of e^−x from 0 to q, (1 − e^−q)/q, for q ≥ 0. Smooth through q = 0, where the difference would cancel.
+///
+/// ```
+/// assert_eq!(friction::mean_decay(0.0_f64), 1.0);
+/// assert!((friction::mean_decay(1.0_f64) - 0.632_120_558_828_557_7).abs() < 1e-15);
+/// ```
 pub fn mean_decay<S: Scalar>(q: S) -> S {
     let one = S::one();
     if q < S::lit(1e-2) {

@@ -1,8 +1,8 @@
-//! Dual numbers as scalars: the derivative of a law, by running the law.
+//! Dual numbers as scalars: running a law gives its derivative.
 //!
-//! Real parts go through `libm` like everywhere else, so the value of a force does not depend on whether its
-//! derivative was asked for. Where a derivative is infinite (√x, or x^p with p < 1, at x = 0) it is taken as 0:
-//! infinity times zero would poison the others with NaN.
+//! Real parts use `libm` as elsewhere, so a force has the same value with and without its derivative. An infinite
+//! derivative (√x, or x^p with p < 1, at x = 0) is replaced by 0: infinity times zero would turn the other derivatives
+//! into NaN.
 
 use crate::Scalar;
 use num_dual::{Derivative, Dual64, DualSVec64};
@@ -58,5 +58,5 @@ scalar_by_chain_rule!(impl [] for Dual64, constant: 0.0, carries: |x| x.eps != 0
 scalar_by_chain_rule!(
     impl [const N: usize] for DualSVec64<N>,
     constant: Derivative::none(),
-    carries: |x| x.eps.0.is_some()
+    carries: |x| x.eps != Derivative::none()
 );

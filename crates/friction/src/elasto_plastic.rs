@@ -1,12 +1,12 @@
-//! Elasto-plastic friction: LuGre whose bristles are springs before they slip, so that it does not drift.
+//! Elasto-plastic friction: LuGre with an elastic range, which removes its drift.
 
 use crate::{FrictionLaw, Invalid, LuGre, Motion, Scalar, in_range, limits, mean_decay};
 use serde::{Deserialize, Serialize};
 
-/// Parts a plastic displacement is cut into at most; the error of the frozen α falls with their square.
+/// Number of parts of a plastic displacement. The error from holding α falls with their square.
 const PARTS: usize = 3;
 
-/// Elasto-plastic friction (Dupont, Hayward, Armstrong, Altpeter 2002).
+/// Elasto-plastic friction [dupont-2002].
 ///
 /// ```text
 /// dz/dt = v (1 − α(z, v) z/z_ss(v)),   z_ss = s g(v)/σ₀,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
@@ -16,9 +16,20 @@ const PARTS: usize = 3;
 /// F = σ₀ z + σ₁ dz/dt + σ₂ v
 /// ```
 ///
-/// Below z_ba = `elastic`·F_c/σ₀ the contact is a spring and gives everything back: a load that vibrates below that does not
-/// move it, where Dahl and LuGre drift. Elastic displacement is followed exactly; plastic in parts with α held over
-/// each, by the exponential that solves it, so that |z| ≤ |z_ss| always and any step is stable.
+/// Below z_ba = `elastic`·F_c/σ₀ the contact is a spring. A load that vibrates below that level does not move it, where
+/// Dahl's and the LuGre model drift. Elastic displacement is followed exactly. Plastic displacement is divided into parts
+/// with constant α, each solved by its exponential; |z| ≤ |z_ss| always, and any step is stable.
+///
+/// ```
+/// use friction::{ElastoPlastic, ElastoPlasticState, FrictionLaw, LuGre, Motion};
+/// let lugre = LuGre { sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.0, coulomb: 1.0, stiction: 1.0, stribeck_velocity: 1e-3 };
+/// let law = ElastoPlastic::of(lugre, 0.8);
+/// let mut state = ElastoPlasticState::default();
+/// let there = Motion { dt: 1e-3, displacement: 7e-6, ..Motion::default() };
+/// let back = Motion { dt: 1e-3, displacement: -7e-6, ..Motion::default() };
+/// assert!((law.step(&mut state, &there) - 0.7_f64).abs() < 1e-12); // below z_ba: the spring σ₀
+/// assert!(law.step(&mut state, &back).abs() < 1e-12); // and all of it returns
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ElastoPlastic<S> {
     /// Bristle stiffness σ₀, N/m.
@@ -29,15 +40,15 @@ pub struct ElastoPlastic<S> {
     pub sigma_2: S,
     /// Coulomb level F_c, N.
     pub coulomb: S,
-    /// Stiction F_s, N; at least `coulomb`.
+    /// Stiction F_s, N. At least `coulomb`.
     pub stiction: S,
     /// Stribeck velocity v_s, m/s.
     pub stribeck_velocity: S,
-    /// Share of F_c up to which the contact is a spring, 0 … 0.99; 0 with α ≡ 1 would be LuGre.
+    /// Elastic range as a share of F_c, 0 to 0.99. With 0 and α ≡ 1 the model would be LuGre.
     pub elastic: S,
 }
 
-/// What [`ElastoPlastic`] remembers.
+/// State of [`ElastoPlastic`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElastoPlasticState<S> {
     /// Mean deflection of the bristles z, m.
@@ -51,18 +62,26 @@ impl<S: Scalar> Default for ElastoPlasticState<S> {
 }
 
 impl<S: Scalar> ElastoPlastic<S> {
-    /// The bristles of a LuGre contact, springs up to this share of F_c.
+    /// The law with the parameters of a LuGre contact and the elastic range `elastic`, as a share of F_c.
     pub fn of(lugre: LuGre<S>, elastic: S) -> Self {
         let LuGre { sigma_0, sigma_1, sigma_2, coulomb, stiction, stribeck_velocity } = lugre;
         Self { sigma_0, sigma_1, sigma_2, coulomb, stiction, stribeck_velocity, elastic }
     }
 
-    /// Steady friction level g(v) without its viscous part, N.
+    /// Steady friction level g(v) without the viscous part, N.
+    ///
+    /// ```
+    /// # let lugre = friction::LuGre {
+    /// #     sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.0, coulomb: 1.0, stiction: 1.5, stribeck_velocity: 1e-3,
+    /// # };
+    /// let law = friction::ElastoPlastic::of(lugre, 0.8);
+    /// assert_eq!((law.level(0.0), law.level(1.0)), (1.5, 1.0));
+    /// ```
     pub fn level(&self, velocity: S) -> S {
         limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
 
-    /// The deflection, counted along the motion, after sliding `distance` ≥ 0.
+    /// Deflection in the direction of motion after sliding `distance` ≥ 0.
     fn slid(&self, z: S, distance: S, steady: S) -> S {
         let zero = S::zero();
         let break_away = (self.elastic * self.coulomb / self.sigma_0).min(steady);
@@ -74,15 +93,15 @@ impl<S: Scalar> ElastoPlastic<S> {
         if !(steady > zero) {
             return steady;
         }
-        // within a few z_ss the contact has forgotten where it was
+        // after a few z_ss the contact has forgotten its past
         left = left.min(S::lit(64.0) * steady);
         let (one, half) = (S::one(), S::lit(0.5));
         let part = left * S::lit(1.0 / PARTS as f64);
-        // divisions once: each costs a microcontroller as much as ten products
+        // divide once: a division costs a microcontroller as much as ten products
         let stiff = one / steady;
         let transition = S::lit(core::f64::consts::PI) / (steady - break_away);
         let centre = half * (steady + break_away);
-        // α/z_ss of a deflection that points where the motion goes
+        // α/z_ss of a deflection in the direction of motion
         let rate_at = |z: S| {
             if z <= break_away {
                 zero
@@ -94,7 +113,7 @@ impl<S: Scalar> ElastoPlastic<S> {
         };
         let mut rate = rate_at(z);
         for _ in 0..PARTS {
-            // α in the middle of the part, which the α of the part before is good enough to find
+            // α at the middle of the part, found with the α of the previous part
             rate = rate_at(z + half * part * (one - rate * z));
             z = (z + (one - rate * z) * part * mean_decay(rate * part)).min(steady);
         }

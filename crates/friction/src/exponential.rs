@@ -1,19 +1,20 @@
-//! e^x in `f32`, without a division, and without a branch but at the ends of its range.
+//! e^x in `f32` without a division, and with branches only at the ends of its range.
 //!
-//! `libm::expf` divides, and scales by a loop made for every exponent there is: 160 cycles on a Cortex-M4F, of which a
-//! control step under LuGre pays two.
+//! `libm::expf` divides, and scales with a loop that covers every exponent: 160 cycles on a Cortex-M4F, twice in a control
+//! step under LuGre.
 
 /// log₂ e.
 const LOG2_E: f32 = core::f32::consts::LOG2_E;
-/// ln 2 in two parts; the first has nine bits, so that its product with a whole number below 2¹⁵ is exact.
+/// ln 2 in two parts. The first has nine bits, so that its product with an integer below 2¹⁵ is exact.
 const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
-/// 1.5·2²³: a small number added to it is rounded to a whole one, in its lowest bits.
+/// 1.5·2²³: adding it rounds a small number to an integer, which is then in the lowest bits.
 const ROUND: f32 = 12_582_912.0;
-/// Up to here, to both sides, 2^k is a normal number and e^x is.
+/// Largest |x| for which 2^k and e^x are normal numbers.
 const NORMAL: f32 = 87.0;
 
-/// e^x, within one unit in the last place for |x| ≤ 87; 0 (for what is below 1.7·10⁻³⁸) and infinity beyond, NaN for NaN.
-#[inline(always)] // a call would make the law save its registers, which takes as long as half of this
+/// e^x within one unit in the last place for |x| ≤ 87. Beyond, 0 (instead of values below 1.7·10⁻³⁸) and infinity; NaN for
+/// NaN.
+#[inline(always)] // a call would make the law save its registers, which costs half as much as this function
 pub(crate) fn exp(x: f32) -> f32 {
     if !(x.abs() <= NORMAL) {
         return if x < 0.0 { 0.0 } else { x * f32::MAX };

@@ -1,12 +1,12 @@
-//! Generalised Maxwell slip: parallel springs and sliders, with a sliding level that depends on speed.
+//! Generalised Maxwell slip: parallel springs and sliders whose sliding level depends on speed.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Elements of [`MaxwellSlip`].
+/// Number of elements of [`MaxwellSlip`].
 pub const ELEMENTS: usize = 6;
 
-/// Generalised Maxwell slip (Al-Bender, Lampaert, Swevers 2005), with six elements.
+/// Generalised Maxwell slip [al-bender-2005] with six elements.
 ///
 /// ```text
 /// sticking:  dF_i/dt = k_i v            until |F_i| = ν_i g(v)
@@ -14,35 +14,45 @@ pub const ELEMENTS: usize = 6;
 /// F = Σ F_i + σ₂ v,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
 /// ```
 ///
-/// The only one of the laws here with non-local memory: after a reversal within a reversal the force goes on where the
-/// outer loop was left. At constant speed the slipping equation is solved exactly over the step.
+/// The only law of this crate with non-local memory: when an inner hysteresis loop closes, the force continues along the
+/// outer one. At constant speed the slipping equation is solved exactly over the step.
 ///
-/// Element i of [`MaxwellSlip::new`] gives way at the deflection x_i = x_s (2i + 1)/4, and ν and k are such that the
-/// virgin curve Σ min(k_i x, ν_i) runs through (1 − e^(−x/x_s))/(1 − e^(−x_5/x_s)) at every x_i and is 1 from x_5 on.
+/// ```
+/// use friction::{FrictionLaw, MaxwellSlip, MaxwellSlipState, Motion};
+/// let law = MaxwellSlip::new(3.0, 1e-4);
+/// let mut state = MaxwellSlipState::default();
+/// let slide = |distance| Motion { dt: 1e-3, displacement: distance, ..Motion::default() };
+/// // 2.75 presliding lengths: every element slips
+/// assert!((law.step(&mut state, &slide(2.75e-4)) - 3.0_f64).abs() < 1e-12);
+/// // a closed inner loop returns to where it began
+/// let outer = law.step(&mut state, &slide(-1e-4));
+/// law.step(&mut state, &slide(2e-5));
+/// assert!((law.step(&mut state, &slide(-2e-5)) - outer).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MaxwellSlip<S> {
     /// Stiffness k_i as a share of F_c, 1/m.
     pub stiffness: [S; ELEMENTS],
-    /// Share ν_i of the sliding level; they sum to 1.
+    /// Shares ν_i of the sliding level. They sum to 1.
     pub share: [S; ELEMENTS],
     /// Coulomb level F_c, N.
     pub coulomb: S,
-    /// Stiction F_s, N; at least `coulomb`.
+    /// Stiction F_s, N. At least `coulomb`.
     pub stiction: S,
     /// Stribeck velocity v_s, m/s.
     pub stribeck_velocity: S,
-    /// Attraction C: how fast a slipping element follows the level, N/s.
+    /// Attraction C, the rate at which a slipping element follows the level, N/s.
     pub attraction: S,
     /// Viscous friction σ₂, N·s/m.
     pub viscous: S,
 }
 
-/// What [`MaxwellSlip`] remembers.
+/// State of [`MaxwellSlip`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaxwellSlipState<S> {
     /// Force of each element F_i, N.
     pub force: [S; ELEMENTS],
-    /// The direction in which each element slips, 0 where it sticks.
+    /// Direction in which each element slips, 0 for one that sticks.
     pub slips: [i8; ELEMENTS],
 }
 
@@ -53,14 +63,23 @@ impl<S: Scalar> Default for MaxwellSlipState<S> {
 }
 
 impl<S: Scalar> MaxwellSlip<S> {
-    /// A contact that gives like 1 − e^(−x/`presliding`), presliding in m; no Stribeck effect, no viscous friction.
+    /// A contact whose virgin curve follows 1 − e^(−x/`presliding`), with `presliding` in m. No Stribeck effect and no
+    /// viscous friction.
+    ///
+    /// Element i slips at the deflection x_i = x_s (2i + 1)/4. ν and k are chosen such that the virgin curve
+    /// Σ min(k_i x, ν_i) passes through (1 − e^(−x/x_s))/(1 − e^(−x_5/x_s)) at every x_i and is 1 beyond x_5.
+    ///
+    /// ```
+    /// let law = friction::MaxwellSlip::new(3.0_f64, 1e-4);
+    /// assert!((law.share.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    /// ```
     pub fn new(coulomb: S, presliding: S) -> Self {
         let apart = presliding / S::lit(2.0);
         let knot = |i: usize| apart * S::lit(i as f64 + 0.5);
         let shape = |x: S| S::one() - (-(x / presliding)).exp();
         let whole = shape(knot(ELEMENTS - 1));
         let virgin = |x: S| shape(x) / whole;
-        // slope of the virgin curve between knots: what is left of the stiffness there
+        // slope of the virgin curve between knots: the stiffness of the elements that still stick
         let slope = |i: usize| match i {
             0 => virgin(knot(0)) / knot(0),
             i if i < ELEMENTS => (virgin(knot(i)) - virgin(knot(i - 1))) / apart,
@@ -79,7 +98,12 @@ impl<S: Scalar> MaxwellSlip<S> {
         }
     }
 
-    /// Sliding level g(v) without its viscous part, N.
+    /// Sliding level g(v) without the viscous part, N.
+    ///
+    /// ```
+    /// let law = friction::MaxwellSlip { stiction: 3.6, ..friction::MaxwellSlip::new(3.0, 1e-4) };
+    /// assert_eq!((law.level(0.0), law.level(1.0)), (3.6, 3.0));
+    /// ```
     pub fn level(&self, velocity: S) -> S {
         limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
@@ -108,7 +132,7 @@ impl<S: Scalar> FrictionLaw<S> for MaxwellSlip<S> {
         for ((&stiffness, &share), (force, slips)) in elements {
             let limit = share * level;
             if direction == 0 {
-                // at rest nothing moves, and what slipped goes on when the motion does
+                // at rest nothing changes; a slipping element continues with the motion
             } else if *slips == direction {
                 let end = sign * limit;
                 *force = end + (*force - end) * follows;

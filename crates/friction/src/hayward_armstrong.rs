@@ -1,21 +1,21 @@
-//! Hayward and Armstrong's friction for haptics: Dahl in displacement, without drift, without time.
+//! Hayward and Armstrong's friction for haptics: a function of displacement alone, without drift.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// α(z) of eq. 4.4: how the contact gives way.
+/// α(z) of [thesis, eq. 4.4]: the way a contact yields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Adhesion {
-    /// Eq. 4.6: static and kinetic friction are the same.
+    /// [thesis, eq. 4.6]: static and kinetic friction are equal.
     StickSlide,
-    /// Eq. 4.7: the contact holds up to z_stick, then slips to z_max.
+    /// [thesis, eq. 4.7]: the contact holds up to z_stick, then slips to z_max.
     StickSlipSlide,
-    /// Eq. 4.8: as 4.7, and creeps under a slow load.
+    /// [thesis, eq. 4.8]: like `StickSlipSlide`, with creep under a slow load.
     StickCreepSlipSlide,
 }
 
-/// Friction of Hayward and Armstrong (2000), eq. 4.4 to 4.8.
+/// Friction of Hayward and Armstrong [hayward-2000] [thesis, eq. 4.4 to 4.8].
 ///
 /// ```text
 /// dz/dx = 1 − α(z) sgn(dx) z,   F = k z + b v
@@ -24,24 +24,35 @@ pub enum Adhesion {
 /// w_k = w_(k−1) + |x_k − x_(k−1)| α(z_k) z_k   elsewhere           (it creeps, or holds)
 /// ```
 ///
-/// A function of displacement alone: noise in a resting position moves nothing below z_max (no drift), and a time step
-/// makes no difference. With eq. 4.7 the force is a saw with period z_stick − z_max in *distance*: the frequency of the
-/// rendered stick-slip is v/(z_stick − z_max) and belongs to the interface, as long as a step is shorter than that.
+/// The force is a function of displacement alone. Position noise below z_max at rest causes no drift, and the length of a
+/// time step has no influence. With `StickSlipSlide` the force is a sawtooth with period z_stick − z_max in *distance*: the
+/// frequency of the rendered stick-slip is v/(z_stick − z_max) and belongs to the interface, as long as the displacement of
+/// a step is smaller than that period.
+///
+/// ```
+/// use friction::{Adhesion, FrictionLaw, HaywardArmstrong, HaywardArmstrongState, Motion};
+/// let adhesion = Adhesion::StickSlipSlide;
+/// let law = HaywardArmstrong { stiffness: 1e4, dynamic: 3.0, stiction: 3.5, viscous: 0.0, adhesion };
+/// let mut state = HaywardArmstrongState::default();
+/// let slide = |distance| Motion { displacement: distance, ..Motion::default() };
+/// assert!((law.step(&mut state, &slide(3.4e-4)) - 3.4_f64).abs() < 1e-9); // holds
+/// assert!((law.step(&mut state, &slide(0.2e-4)) - 3.0_f64).abs() < 1e-9); // slips
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HaywardArmstrong<S> {
     /// Stiffness of the contact k, N/m.
     pub stiffness: S,
     /// Kinetic friction k z_max, N.
     pub dynamic: S,
-    /// Friction k z_stick at which the contact gives way, N; at least `dynamic`. Not used by `stick_slide`.
+    /// Friction k z_stick at which the contact yields, N. At least `dynamic`; not used by `stick_slide`.
     pub stiction: S,
     /// Viscous friction b, N·s/m.
     pub viscous: S,
-    /// How the contact gives way.
+    /// The way the contact yields.
     pub adhesion: Adhesion,
 }
 
-/// What [`HaywardArmstrong`] remembers.
+/// State of [`HaywardArmstrong`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HaywardArmstrongState<S> {
     /// Deflection of the contact z = x − w, m.

@@ -1,15 +1,18 @@
-//! Friction laws, `no_std`, written once and used four times: inside the renderer on the microcontroller
-//! (`f32`), in the simulated rig (`f64`), as the model whose parameters are identified (dual numbers), and as
-//! a hypothesis about what a simulation left out.
+#![doc = include_str!("../README.md")]
 //!
-//! Two kinds of law live here:
-//! * [`FrictionLaw`]s, complete models of a sliding contact: [`Viscous`], [`Classic`], [`MajdSimaan`], which are curves
-//!   of velocity; [`Karnopp`], [`Coulomb`], which hold; [`Bristle`], [`Dahl`], [`HaywardArmstrong`], [`LuGre`],
-//!   [`ElastoPlastic`], [`MaxwellSlip`], [`Armstrong`], which give before they slide;
-//! * [`effects`], the physics a complete model leaves out, each one file, linear in its gains.
+//! ## Items by kind
+//!
+//! * Curves of velocity: [`Viscous`], [`Classic`], [`MajdSimaan`].
+//! * Laws that hold a body at rest: [`Karnopp`], [`Coulomb`].
+//! * Laws with presliding: [`Bristle`], [`Dahl`], [`HaywardArmstrong`], [`LuGre`], [`ElastoPlastic`], [`MaxwellSlip`],
+//!   [`Armstrong`].
+//! * Physics that a complete law leaves out, and what sensors and drives make of a record: [`effects`].
+//! * Units: [`Dimension`], [`Geometry`], [`parameters`].
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "alloc")]
+extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
@@ -20,6 +23,7 @@ mod classic;
 mod coulomb;
 mod dahl;
 mod decay;
+mod dimension;
 #[cfg(feature = "dual")]
 mod dual;
 pub mod effects;
@@ -32,6 +36,7 @@ mod law;
 mod limits;
 mod lugre;
 mod majd_simaan;
+pub mod parameters;
 mod scalar;
 mod sine;
 mod viscous;
@@ -43,6 +48,7 @@ pub use classic::Classic;
 pub use coulomb::{Coulomb, CoulombState};
 pub use dahl::{Dahl, DahlState};
 pub use decay::mean_decay;
+pub use dimension::{Dimension, Geometry, Unit};
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
 pub use generalised_maxwell_slip::{MaxwellSlip, MaxwellSlipState};
 pub use hayward_armstrong::{Adhesion, HaywardArmstrong, HaywardArmstrongState};

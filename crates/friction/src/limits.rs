@@ -1,33 +1,33 @@
-//! Bounds shared by the laws: what a parameter may be, and what a force may become.
+//! Bounds shared by the laws: ranges of parameters and of forces.
 
 use crate::Scalar;
 
-/// Largest friction level, N: above anything on a bench, below what loses digits in `f32`.
+/// Largest friction level, N: above anything on a bench, and exact enough in `f32`.
 pub(crate) const LEVEL: f64 = 1e6;
 /// Largest viscous coefficient, N·s/m.
 pub(crate) const VISCOUS: f64 = 1e6;
 /// Largest stiffness, N/m.
 pub(crate) const STIFFNESS: f64 = 1e12;
-/// No law returns more than this, N: a finite motion gives a finite force even where b·v would overflow.
+/// Largest force any law returns, N. A finite motion gives a finite force even where b·v would overflow.
 const FORCE: f64 = 1e30;
 
-/// The force, limited to what `f32` still holds.
+/// Force limited to [`FORCE`], which `f32` can represent.
 pub(crate) fn bounded<S: Scalar>(force: S) -> S {
     force.clamp(S::lit(-FORCE), S::lit(FORCE))
 }
 
-/// Level plus viscous friction at `speed` ≥ 0, never below zero: with a negative coefficient the line would
-/// cross zero at high speed and friction would drive.
+/// Level plus viscous friction at `speed` ≥ 0, never below zero. With a negative coefficient the line would cross zero at
+/// high speed, and friction would drive.
 pub(crate) fn sliding<S: Scalar>(level: S, viscous: S, speed: S) -> S {
     (level + viscous * speed).max(S::zero())
 }
 
-/// A level that falls from `stiction` at rest to `coulomb` with speed: g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²).
+/// Stribeck curve from `stiction` at rest to `coulomb`: g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²).
 pub(crate) fn stribeck<S: Scalar>(coulomb: S, stiction: S, velocity: S, stribeck_velocity: S) -> S {
     stribeck_at(coulomb, stiction, velocity / stribeck_velocity)
 }
 
-/// The same at v/v_s.
+/// Stribeck curve at `ratio` = v/v_s.
 #[inline(always)]
 pub(crate) fn stribeck_at<S: Scalar>(coulomb: S, stiction: S, ratio: S) -> S {
     let fallen = (ratio * ratio).min(S::lit(1e6));

@@ -1,20 +1,33 @@
-//! LuGre friction: bristles with damping, and a level that falls from stiction to Coulomb with speed.
+//! LuGre friction: damped bristles whose level falls from stiction to Coulomb friction with speed.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// LuGre friction (Canudas de Wit, Olsson, Åström, Lischinsky 1995).
+/// LuGre friction [canudas-de-wit-1995].
 ///
 /// ```text
 /// dz/dt = v − σ₀ |v| z / g(v),   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
 /// F = σ₀ z + σ₁ dz/dt + σ₂ v
 /// ```
 ///
-/// Over a step v and g are held, so z has a closed solution in the distance slid; dz/dt is its mean over the step.
-/// Any step length is stable and |z| ≤ F_s/σ₀ always, to rounding.
+/// With v and g held over a step, z has a closed solution in the distance slid; dz/dt is its mean over the step. Any step
+/// length is stable, and |z| ≤ F_s/σ₀ up to rounding.
 ///
-/// Passive if and only if σ₂ ≥ σ₁ (F_s − F_c)/F_c (Barabanov and Ortega 2000), see [`LuGre::is_passive`]; beyond that
-/// bristle damping can give energy back while the body slides. Like Dahl it drifts under a vibrating load.
+/// The law is passive if and only if σ₂ ≥ σ₁ (F_s − F_c)/F_c [barabanov-2000], see [`LuGre::is_passive`]. Otherwise the
+/// bristle damping can return energy while the body slides. Like Dahl's model it drifts under a vibrating load.
+///
+/// ```
+/// use friction::{FrictionLaw, LuGre, LuGreState, Motion};
+/// let law = LuGre { sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.4, coulomb: 1.0, stiction: 1.5, stribeck_velocity: 1e-3 };
+/// let mut state = LuGreState::default();
+/// let mut force: f64 = 0.0;
+/// for _ in 0..1000 {
+///     let slow = Motion { dt: 1e-3, displacement: 1e-6, velocity: 1e-3, ..Motion::default() };
+///     force = law.step(&mut state, &slow);
+/// }
+/// // steady sliding at the Stribeck velocity: g(v_s) = 1 + 0.5/e, plus the viscous part
+/// assert!((force - (1.0 + 0.5 * (-1.0_f64).exp() + 0.4e-3)).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LuGre<S> {
     /// Bristle stiffness σ₀, N/m.
@@ -25,13 +38,13 @@ pub struct LuGre<S> {
     pub sigma_2: S,
     /// Coulomb level F_c, N.
     pub coulomb: S,
-    /// Stiction F_s, N; at least `coulomb`.
+    /// Stiction F_s, N. At least `coulomb`.
     pub stiction: S,
     /// Stribeck velocity v_s, m/s.
     pub stribeck_velocity: S,
 }
 
-/// What [`LuGre`] remembers.
+/// State of [`LuGre`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuGreState<S> {
     /// Mean deflection of the bristles z, m.
@@ -45,12 +58,27 @@ impl<S: Scalar> Default for LuGreState<S> {
 }
 
 impl<S: Scalar> LuGre<S> {
-    /// Steady friction level g(v) without its viscous part, N.
+    /// Steady friction level g(v) without the viscous part, N.
+    ///
+    /// ```
+    /// # let law = friction::LuGre {
+    /// #     sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.4, coulomb: 1.0, stiction: 1.5, stribeck_velocity: 1e-3,
+    /// # };
+    /// assert_eq!((law.level(0.0), law.level(1.0)), (1.5, 1.0)); // from stiction at rest to Coulomb friction
+    /// ```
     pub fn level(&self, velocity: S) -> S {
         limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
 
-    /// Whether the law can never give back more energy than it was given: σ₂ F_c ≥ σ₁ (F_s − F_c).
+    /// Whether the law is passive, that is never returns more energy than it received: σ₂ F_c ≥ σ₁ (F_s − F_c).
+    ///
+    /// ```
+    /// # let law = friction::LuGre {
+    /// #     sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.4, coulomb: 1.0, stiction: 1.5, stribeck_velocity: 1e-3,
+    /// # };
+    /// assert!(law.is_passive());
+    /// assert!(!friction::LuGre { sigma_1: 300.0, ..law }.is_passive());
+    /// ```
     pub fn is_passive(&self) -> bool {
         self.sigma_2 * self.coulomb >= self.sigma_1 * (self.stiction - self.coulomb)
     }
@@ -64,7 +92,7 @@ impl<S: Scalar> FrictionLaw<S> for LuGre<S> {
             return S::lit(f64::NAN);
         }
         let (dx, zero) = (motion.displacement, S::zero());
-        // one division for two: each costs a microcontroller as much as ten products
+        // one division instead of two: a division costs a microcontroller as much as ten products
         let inverse = S::one() / (self.sigma_0 * self.stribeck_velocity);
         let compliance = inverse * self.stribeck_velocity;
         let bound = self.stiction * compliance;

@@ -3,38 +3,53 @@
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Friction of Majd and Simaan (1995), eq. 2.9.
+/// Friction of Majd and Simaan [majd-1995] [thesis, eq. 2.9].
 ///
 /// ```text
 /// F(v) = f_v v + [f_c + σ e^(−|v|/v_c) − (σ + f_c) e^(−n|v|/v_c)] sgn v
 /// ```
 ///
-/// Continuous through zero: no dead band and no memory. For the same reason it cannot hold: under a load a body creeps
-/// with the slope f_v + ((n − 1)σ + n f_c)/v_c at rest, [`MajdSimaan::slope_at_rest`], and that slope is a damper which
-/// the time step has to take.
+/// The curve is continuous through zero and has no state. For the same reason the law cannot hold: under a load a body
+/// creeps. Its slope at rest, f_v + ((n − 1)σ + n f_c)/v_c ([`MajdSimaan::slope_at_rest`]), acts as a damper and limits
+/// the time step.
+///
+/// ```
+/// use friction::{FrictionLaw, MajdSimaan, Motion};
+/// let law = MajdSimaan { viscous: 2.0, coulomb: 3.0, stribeck: 0.0, critical_velocity: 1e-3, steepness: 10.0 };
+/// let force = |velocity| law.step(&mut (), &Motion { velocity, ..Motion::default() });
+/// assert_eq!(force(0.0), 0.0_f64);
+/// assert!((force(0.1) - 3.2).abs() < 1e-12); // f_c + f_v v
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MajdSimaan<S> {
     /// Slope well beyond the Stribeck region, f_v, N·s/m.
     pub viscous: S,
     /// Coulomb friction f_c, N.
     pub coulomb: S,
-    /// Size of the Stribeck part σ, N. [`MajdSimaan::with_stiction`] finds it from the static friction.
+    /// Amplitude of the Stribeck part σ, N. [`MajdSimaan::with_stiction`] computes it from the static friction.
     pub stribeck: S,
     /// Critical velocity v_c, m/s.
     pub critical_velocity: S,
-    /// Steepness at rest n, dimensionless, above 1.
+    /// Steepness at rest n, dimensionless. Above 1.
     pub steepness: S,
 }
 
 impl<S: Scalar> MajdSimaan<S> {
-    /// The curve without its viscous part at speed `u`·v_c, N.
+    /// Curve without the viscous part at speed `u`·v_c, N.
     fn level(&self, u: S) -> S {
         let u = u.min(S::lit(1e3));
         self.coulomb + self.stribeck * (-u).exp()
             - (self.stribeck + self.coulomb) * (-(self.steepness * u).min(S::lit(1e3))).exp()
     }
 
-    /// dF/dv at rest, N·s/m.
+    /// Slope dF/dv at rest, N·s/m.
+    ///
+    /// ```
+    /// # let law = friction::MajdSimaan {
+    /// #     viscous: 2.0, coulomb: 3.0, stribeck: 0.0, critical_velocity: 1e-3, steepness: 10.0,
+    /// # };
+    /// assert!((law.slope_at_rest() - 30_002.0_f64).abs() < 1e-9);
+    /// ```
     pub fn slope_at_rest(&self) -> S {
         let n = self.steepness;
         self.viscous + ((n - S::one()) * self.stribeck + n * self.coulomb) / self.critical_velocity
@@ -42,8 +57,18 @@ impl<S: Scalar> MajdSimaan<S> {
 }
 
 impl MajdSimaan<f64> {
-    /// The law whose curve without its viscous part has `stiction` as its largest value, N: σ by bisection, since the
-    /// largest value grows with σ. The largest value lies at u = ln(n(1 + f_c/σ))/(n − 1).
+    /// The law whose curve without the viscous part peaks at `stiction`, N.
+    ///
+    /// The peak lies at u = ln(n(1 + f_c/σ))/(n − 1) and grows with σ, which is found by bisection.
+    ///
+    /// ```
+    /// use friction::{FrictionLaw, MajdSimaan, Motion};
+    /// let law = MajdSimaan { viscous: 0.0, coulomb: 3.0, stribeck: 0.0, critical_velocity: 1e-3, steepness: 10.0 };
+    /// let law = law.with_stiction(3.5);
+    /// let force = |k| law.step(&mut (), &Motion { velocity: 1e-6 * f64::from(k), ..Motion::default() });
+    /// let peak = (0..5_000).map(force).fold(0.0, f64::max);
+    /// assert!((peak - 3.5).abs() < 1e-6);
+    /// ```
     #[must_use]
     pub fn with_stiction(mut self, stiction: f64) -> Self {
         let (mut low, mut high) = (0.0, 1.0);

@@ -1,5 +1,5 @@
-//! The number a law is written over: `f32` on the device, `f64` in the rig, a dual number where a fit
-//! needs the exact derivative of the same law.
+//! The scalar a law is generic over: `f32` on the device, `f64` in the simulated rig, a dual number for exact
+//! derivatives.
 
 use crate::exponential;
 use crate::sine::sin_cos;
@@ -8,15 +8,25 @@ use num_traits::{Num, NumAssignOps};
 
 /// A real scalar.
 ///
-/// Every transcendental goes through `libm`, or in `f32`, where `libm` computes in `f64` or slowly, through this crate's own,
-/// never through `std` or `num_traits::Float`: the host must compute bit for bit what the target computes, and `num_traits` silently changes its backend when any
-/// crate of the workspace turns on its `std` feature.
+/// Transcendental functions never call `std` or `num_traits::Float`: the host must compute bit for bit what the target
+/// computes, and `num_traits` changes its backend when any crate of the build enables its `std` feature. They call `libm`,
+/// or this crate's own `f32` functions where `libm` is slow or computes in `f64`.
+///
+/// ```
+/// use friction::Scalar;
+/// fn smooth_sign<S: Scalar>(v: S) -> S {
+///     v / (v * v + S::lit(1e-6)).sqrt()
+/// }
+/// assert!((smooth_sign(1e-3_f64) - 0.5_f64.sqrt()).abs() < 1e-12);
+/// assert!((smooth_sign(1e-3_f32) - 0.5_f32.sqrt()).abs() < 1e-6);
+/// assert_eq!(Scalar::sgn(0.0_f64), 0.0); // `f64::signum` gives 1, which would make a resting block slide
+/// ```
 pub trait Scalar:
     Copy + Debug + PartialOrd + Num + NumAssignOps + core::ops::Neg<Output = Self> + 'static
 {
-    /// The nearest representable value of a constant.
+    /// Nearest representable value of a constant.
     fn lit(value: f64) -> Self;
-    /// The real part, for decisions and messages.
+    /// Real part, for decisions and messages.
     fn re(self) -> f64;
     /// e^x.
     fn exp(self) -> Self;
@@ -31,14 +41,14 @@ pub trait Scalar:
     /// x^p for x ≥ 0.
     fn powf(self, p: Self) -> Self;
 
-    /// Uniform in [0, 1) from 24 random bits of `bits`, exactly.
+    /// The upper 24 bits of `bits` as a number in [0, 1), exactly.
     fn fraction(bits: u32) -> Self;
 
     /// |x|.
     fn abs(self) -> Self {
         if self < Self::zero() { -self } else { self }
     }
-    /// −1, 0 or +1; 0 at ±0. (`f32::signum` gives 1 at +0, which would make a resting block slide.)
+    /// −1, 0 or +1; 0 at ±0, where `f32::signum` gives ±1.
     fn sgn(self) -> Self {
         if self > Self::zero() {
             Self::one()
@@ -48,11 +58,11 @@ pub trait Scalar:
             Self::zero()
         }
     }
-    /// The larger of two, `self` when `other` is NaN.
+    /// Larger of two values; `self` when `other` is NaN.
     fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
-    /// The smaller of two, `self` when `other` is NaN.
+    /// Smaller of two values; `self` when `other` is NaN.
     fn min(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
@@ -60,15 +70,15 @@ pub trait Scalar:
     fn clamp(self, low: Self, high: Self) -> Self {
         self.max(low).min(high)
     }
-    /// Neither NaN nor infinite.
+    /// Whether the value is neither NaN nor infinite.
     fn is_finite(self) -> bool {
         self.re().is_finite()
     }
-    /// Whether all the numbers of a motion are finite.
+    /// Whether all numbers of a motion are finite.
     fn are_finite(numbers: [Self; 7]) -> bool {
         numbers.into_iter().all(Self::is_finite)
     }
-    /// Whether this number carries a derivative, so that a shortcut for one value would lose it.
+    /// Whether the number carries a derivative, which a shortcut for a special value would lose.
     fn has_derivative(self) -> bool {
         false
     }
@@ -105,11 +115,11 @@ macro_rules! scalar_by_libm {
             fn fraction(bits: u32) -> Self {
                 (bits >> 8) as $float * (1.0 / 16_777_216.0)
             }
-            // not by way of f64, which is software on the target
+            // not through f64, which is software on the target
             fn is_finite(self) -> bool {
                 <$float>::is_finite(self)
             }
-            // what is not finite is NaN when multiplied by 0: one comparison instead of seven in every control step
+            // a non-finite number times 0 is NaN: one comparison instead of seven in every control step
             #[inline(always)]
             fn are_finite([a, b, c, d, e, f, g]: [Self; 7]) -> bool {
                 a * 0.0 + b * 0.0 + c * 0.0 + d * 0.0 + e * 0.0 + f * 0.0 + g * 0.0 == 0.0

@@ -1,15 +1,15 @@
-//! Sine and cosine in `f32` throughout.
+//! Sine and cosine in `f32`.
 //!
-//! `libm::sinf` reduces its argument and evaluates its polynomial in `f64`, which a Cortex-M4F does in software:
-//! thousands of cycles in the control step, and 9 kB of flash.
+//! `libm::sinf` reduces its argument and evaluates its polynomial in `f64`. A Cortex-M4F does that in software: thousands
+//! of cycles in the control step, and 9 kB of flash.
 
-/// π/2 in three parts; the first two have trailing zeros, so that their products with a quadrant are exact.
+/// π/2 in three parts. The first two have trailing zeros, so that their products with a quadrant number are exact.
 const HALF_PI: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
-/// Up to here a quadrant number has 13 bits, and its products with the first two parts of π/2 are exact.
+/// Largest argument whose quadrant number has 13 bits, so that its products with the first two parts of π/2 are exact.
 const EXACT: f32 = 8192.0;
 
-/// Sine and cosine of `x` rad; |error| < 1.5·10⁻⁷ up to 8192 rad, beyond it that of `x` itself. NaN gives NaN, and so
-/// do infinities.
+/// Sine and cosine of `x` rad. |error| < 1.5·10⁻⁷ up to 8192 rad; beyond, the rounding of `x` itself. NaN for NaN and
+/// infinities.
 pub(crate) fn sin_cos(x: f32) -> (f32, f32) {
     if !x.is_finite() {
         return (f32::NAN, f32::NAN);
@@ -28,15 +28,15 @@ pub(crate) fn sin_cos(x: f32) -> (f32, f32) {
     }
 }
 
-/// `x` less whole turns, to the precision that a large number has.
+/// `x` without its whole turns, to the precision of a large number.
 fn fraction_of_turn(x: f32) -> f32 {
     let turns = x * (0.5 * core::f32::consts::FRAC_1_PI);
-    // from 2²³ turns on there is no fraction left
+    // beyond 2²³ turns no fraction is left
     let whole = if turns.abs() < 8_388_608.0 { (turns as i32) as f32 } else { turns };
     (turns - whole) * core::f32::consts::TAU
 }
 
-/// |r| ≤ π/4; the polynomials of Moshier's Cephes (sinf.c).
+/// Sine and cosine for |r| ≤ π/4, with the polynomials of [cephes, sinf.c].
 fn octant(r: f32) -> (f32, f32) {
     let z = r * r;
     let sin = ((-1.951_529_6e-4 * z + 8.332_161e-3) * z - 1.666_665_5e-1) * z * r + r;

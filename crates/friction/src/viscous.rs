@@ -1,16 +1,22 @@
-//! Viscous friction: the film between the surfaces.
+//! Viscous friction of a fluid film.
 
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Viscous friction, eq. 2.3: F = b v, with its own b in each direction.
+/// Viscous friction F = b v with a separate b for each direction [thesis, eq. 2.3]. Holds nothing at rest.
 ///
-/// It holds nothing at rest. (The fifth resistance of table 5-2 is 35 N·s/m of it.)
+/// ```
+/// use friction::{FrictionLaw, Motion, Viscous};
+/// // the fifth resistance of [thesis, table 5-2]
+/// let law = Viscous { damping_p: 35.0, damping_n: 35.0 };
+/// let moving = Motion { velocity: -0.1, ..Motion::default() };
+/// assert!((law.step(&mut (), &moving) + 3.5_f64).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Viscous<S> {
-    /// b in positive motion, N·s/m.
+    /// Coefficient b in positive motion, N·s/m.
     pub damping_p: S,
-    /// b in negative motion, N·s/m.
+    /// Coefficient b in negative motion, N·s/m.
     pub damping_n: S,
 }
 

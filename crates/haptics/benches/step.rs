@@ -1,8 +1,7 @@
-//! Time of one control step on this machine, for each renderer and law. The figure that matters, cycles on the
-//! target, is measured on the ELF.
+//! Time of one control step on this machine, for each renderer and law. Cycles on the target are measured on the ELF.
 //!
-//! `cargo bench -p haptics` prints the median of every one and closing lines in ns. An item is one control period on
-//! the exact device of eq. 4.15 with encoder edges and times, recorded once, so that the step alone is timed.
+//! `cargo bench -p haptics` prints the medians, then a summary in ns. An item is one control period. The motion of the exact
+//! device [thesis, eq. 4.15] with encoder edges and times is recorded once, so that only the step is timed.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -13,7 +12,7 @@ const STEPS: u32 = 10_000;
 /// 170 MHz over 1 ms.
 const PERIOD_TICKS: u32 = 170_000;
 
-/// A hand that moves the handle 8 mm to and fro once a second, as the encoder sees it.
+/// Encoder readings of a hand that moves the handle back and forth by 8 mm once a second.
 fn recording() -> Vec<Inputs> {
     let device = Device::default();
     let (tick, count) = (1.0 / f64::from(device.tick_hz), f64::from(device.metre_per_count));
@@ -63,7 +62,7 @@ fn settings(renderer: RendererKind, law: LawKind, effects: u8) -> Settings {
     settings
 }
 
-/// What runs, by name.
+/// Timed configurations by name.
 #[derive(Debug, Clone, Copy)]
 enum Job {
     Idle,
@@ -116,7 +115,7 @@ impl std::fmt::Display for Job {
     }
 }
 
-/// The whole recording once; how often the amplifier was on.
+/// Runs the recording once. Returns the number of steps with the amplifier on.
 fn run(mut control: Control, recording: &[Inputs]) -> usize {
     recording.iter().filter(|inputs| control.step(None, black_box(inputs)).amplifier).count()
 }
@@ -151,7 +150,7 @@ fn main() {
     for job in Job::all() {
         let control = job.control(first);
         let (mut best, mut on) = (f64::INFINITY, 0);
-        // the best of twenty: a shared machine only ever makes it slower
+        // the best of twenty: load on a shared machine only slows it down
         for _ in 0..20 {
             let began = Instant::now();
             on = run(black_box(control), rest);

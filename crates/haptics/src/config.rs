@@ -1,4 +1,4 @@
-//! What the loop runs: settings and device, checked, with everything a step would otherwise divide for.
+//! Configuration of the loop: validated settings and device, with precomputed quotients.
 
 use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
@@ -7,17 +7,17 @@ use crate::{Biquad, Device, RendererKind, Settings};
 use friction::effects::{Effect, EffectKind};
 use friction::{Law, Scalar};
 
-/// Time constant of a swap's difference, s: gone in some 20 ms, too slow to click, too fast to feel.
+/// Time constant of the force difference after a swap, s: it vanishes in 20 ms, without a click and too fast to feel.
 const BLEND_S: f32 = 6e-3;
 
-/// A validated configuration; made by [`Settings::build`] only.
+/// A validated configuration. Only [`Settings::build`] makes one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
     pub(crate) device: Device,
     pub(crate) renderer: RendererKind,
     pub(crate) law: Law<f32>,
     pub(crate) effects: [Option<Effect<f32>>; MAX_EFFECTS],
-    /// What of [`Self::effects`] a contact is asked for in a swap.
+    /// Part of [`Self::effects`] that a contact evaluates in a swap.
     pub(crate) kinds: [Option<EffectKind>; MAX_EFFECTS],
     pub(crate) has_effects: bool,
     pub(crate) dv: f32,
@@ -28,16 +28,16 @@ pub struct Config {
     pub(crate) period_per_mass: f32,
     /// M/T, kg/s.
     pub(crate) mass_per_period: f32,
-    /// KT/4 + B/2, N·s/m: what a block's velocity of before and of after each take of the coupling's force.
+    /// KT/4 + B/2, N·s/m: share of the coupling's force from the old and from the new velocity of the block, each.
     pub(crate) coupling_share: f32,
-    /// One over the travel of a count, 1/m.
+    /// Counts per metre, 1/m.
     pub(crate) count_per_metre: f32,
-    /// m/2T, N·s/m: takes half the speed of a free handle within a period.
+    /// m/2T, N·s/m: the damping that halves the speed of a free handle in one period.
     pub(crate) edge_damping: f32,
-    /// m/s of one count per tick.
+    /// Speed of one count per tick, m/s.
     pub(crate) metre_per_second: f32,
     pub(crate) period_ticks: u32,
-    /// What is left of a swap's difference after one period.
+    /// Factor on the force difference of a swap per period.
     pub(crate) blend_decay: f32,
     pub(crate) low_pass: Biquad,
     pub(crate) timing: Timing,
@@ -45,7 +45,7 @@ pub struct Config {
 }
 
 impl Config {
-    /// Everything but the checks.
+    /// Builds without checks.
     pub(crate) fn new(settings: &Settings, device: &Device) -> Self {
         Self {
             device: *device,
@@ -78,7 +78,7 @@ impl Config {
         self.period_ticks
     }
 
-    /// The device this was built for.
+    /// The device of this configuration.
     #[must_use]
     pub fn device(&self) -> &Device {
         &self.device

@@ -1,4 +1,4 @@
-//! Configuration and state in one, where one thread has both.
+//! Configuration and state together, for a single thread.
 
 use crate::{Config, Inputs, Outputs, Request, State, step};
 
@@ -10,30 +10,30 @@ pub struct Control {
 }
 
 impl Control {
-    /// A loop at rest: idle, force off.
+    /// An idle loop with the force off.
     #[must_use]
     pub fn new(config: Config) -> Self {
         Self { state: State::new(&config.device), config }
     }
 
-    /// Replaces what runs, without a jump in force.
+    /// Replaces the configuration without a jump in force.
     pub fn configure(&mut self, config: Config) {
         self.state.reconfigured(config.period_ticks() != self.config.period_ticks());
         self.config = config;
     }
 
-    /// Handles the request, then one control step.
+    /// Handles the request and runs one control step.
     pub fn step(&mut self, request: Option<&Request>, inputs: &Inputs) -> Outputs {
         step(&self.config, &mut self.state, request, inputs)
     }
 
-    /// What runs.
+    /// The configuration.
     #[must_use]
     pub fn config(&self) -> &Config {
         &self.config
     }
 
-    /// What it remembers.
+    /// The state.
     #[must_use]
     pub fn state(&self) -> &State {
         &self.state

@@ -1,11 +1,11 @@
-//! The physical device the loop runs on: constants the control step, the checks and the bounds share.
+//! The physical device: constants shared by control step, checks and bounds.
 
 /// One analogue channel: SI = (code − `offset_code`) · `unit_per_code`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Channel {
     /// Code that stands for zero, counts.
     pub offset_code: f32,
-    /// SI units of one code step: N (load cell) or m/s² (accelerometer).
+    /// SI units per code: N (load cell) or m/s² (accelerometer).
     pub unit_per_code: f32,
 }
 
@@ -17,59 +17,61 @@ impl Channel {
     }
 }
 
-/// A 1-DOF device and its limits. `default()` is the rig of the thesis (tables 3-1, 3-2) on a 170 MHz timer.
+/// A 1-DOF device and its limits. `default()` is the rig of [thesis, table 3-1 and 3-2] with a 170 MHz timer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Device {
-    /// Rate of the free-running timer behind every time stamp, Hz.
+    /// Rate of the timer of all time stamps, Hz.
     pub tick_hz: u32,
     /// Control period T, s.
     pub period: f32,
-    /// From a sample to the change of the force that answers it, s; what the stability bounds reckon with.
+    /// Delay from a sample to the force that answers it, s. Used by the stability bounds.
     pub delay: f32,
     /// Handle travel of one quadrature count, m.
     pub metre_per_count: f32,
     /// Equivalent inertia of motor and slide m, kg.
     pub mass: f32,
-    /// Viscous damping b of eq. 4.14, N·s/m. *Assumed*: the thesis says "a small amount" and gives no number for
-    /// the rig; its simulated device (m = 1 kg, b = 10 N·s/m) has τ = m/b = 0.1 s, and this keeps that τ.
+    /// Viscous damping b of [thesis, eq. 4.14], N·s/m. *Assumed*: the source gives no number ("a small amount"). This value
+    /// keeps the τ = m/b = 0.1 s of the simulated device in [thesis, ch. 4.5] (m = 1 kg, b = 10 N·s/m).
     pub damping: f32,
-    /// Largest force the actuator can hold, N: every command is clamped to it.
+    /// Largest continuous force of the actuator, N. Every command is clamped to it.
     pub force_max: f32,
     /// Load cell, N.
     pub load: Channel,
-    /// Capacity of the load cell, N: identification beyond it means nothing.
+    /// Capacity of the load cell, N. Identification beyond it is invalid.
     pub load_capacity: f32,
     /// Accelerometer, m/s².
     pub accel: Channel,
-    /// Largest acceleration the device is built for, m/s²: an encoder that claims more has lost counts.
+    /// Largest possible acceleration, m/s². An encoder that shows more has lost counts.
     pub acceleration_max: f32,
-    /// Codes this close to either end of the converter (0 or 65 535) are a rail, not a reading.
+    /// Width of the rails, codes: a code this close to 0 or 65 535 is not a reading.
     pub rail_codes: u16,
     /// Distance between the mechanical stops, m, centred on count 0.
     pub stroke: f32,
-    /// Speed above which force is withdrawn, m/s. The default is beyond what the actuator alone reaches on half a
-    /// stroke (0.66 m/s).
+    /// Speed above which force is withdrawn, m/s. The default exceeds the speed that the actuator alone reaches over half a
+    /// stroke, 0.66 m/s.
     pub overspeed: f32,
-    /// Speed below which the handle counts as let go, m/s: what clearing a fault asks for.
+    /// Largest speed of a handle at rest, m/s. Clearing a fault requires it.
     pub rest_speed: f32,
-    /// Force on the load cell below which the handle counts as let go, N.
+    /// Largest force on the load cell of a released handle, N.
     pub rest_force: f32,
-    /// Proportional gain of the excitation, N/m. The thesis tuned by hand and does not print it.
+    /// Cycles of a control step that effects may take, so that its force is not late under any law.
+    pub effect_cycles: u32,
+    /// Proportional gain of the excitation, N/m. Not printed in [thesis, ch. 3.5.2], where it was tuned by hand.
     pub tracking_stiffness: f32,
     /// Derivative gain of the excitation, N·s/m.
     pub tracking_damping: f32,
-    /// Cut-off of the second-order low-pass on the excitation command, Hz (ch. 3.5.2).
+    /// Cut-off of the second-order low-pass on the excitation command, Hz [thesis, ch. 3.5.2].
     pub command_cutoff_hz: f32,
 }
 
-/// Control rates a board may run at, Hz; the first after a start.
+/// Control rates of a board, Hz. The first is that after a start.
 pub const RATES: &[u32] = &[1_000, 2_000, 5_000, 10_000, 20_000];
 
 impl Device {
     /// Timer ticks in a control period.
     #[must_use]
     pub fn period_ticks(&self) -> u32 {
-        // `as` saturates and takes NaN to 0: whatever the constants are, this cannot fail
+        // `as` saturates and maps NaN to 0: this cannot fail for any constants
         (self.tick_hz as f32 * self.period + 0.5) as u32
     }
 }
@@ -89,12 +91,13 @@ impl Default for Device {
             load_capacity: 44.8,
             accel: Channel { offset_code: 32_768.0, unit_per_code: 100.0 * 9.806_65 / 65_536.0 },
             acceleration_max: 50.0 * 9.806_65,
-            // 12-bit conversions summed 16 times end at 65 520
+            // the sum of 16 12-bit conversions is at most 65 520
             rail_codes: 32,
             stroke: 0.032,
             overspeed: 1.0,
             rest_speed: 5e-3,
             rest_force: 2.0,
+            effect_cycles: 1_200,
             tracking_stiffness: 2_500.0,
             tracking_damping: 50.0,
             command_cutoff_hz: 100.0,

@@ -11,6 +11,9 @@
 //! * needs no filter. Its lag is half the edge interval plus the age of the last edge: about T/2 while there are
 //!   edges in every period, and it grows only as motion becomes too slow to see.
 //!
+//! An edge may be counted in one sample and timed in the next, when the capture takes longer than the reading. It then counts
+//! as an edge at the sample, which is true to within the reading, and its time corrects the age later.
+//!
 //! Between edges the handle has moved less than one count since the last one, so |v| is bounded by one count over the
 //! age of that edge: the estimate falls smoothly as 1/age and never holds a stale value. The age is accumulated from
 //! sample to sample and saturates, so that a timer that wraps (32 bits at 170 MHz: 25 s) cannot make an old edge look
@@ -40,6 +43,8 @@ pub struct Estimator {
     /// Age of the last edge at the last sample, ticks, saturating at [`FORGOTTEN`].
     age: u32,
     entered: Entered,
+    /// The last edge was counted, but its time was not there yet.
+    untimed: bool,
     /// Last velocity that edges proved, counts per tick.
     proven: f32,
     velocity: f32,
@@ -55,6 +60,7 @@ impl Default for Estimator {
             edge_ticks: 0,
             age: FORGOTTEN,
             entered: Entered::Unknown,
+            untimed: false,
             proven: 0.0,
             velocity: 0.0,
             step: 0,
@@ -73,12 +79,16 @@ impl Estimator {
         let step = count.wrapping_sub(self.count) as i32;
         // an edge in this period is younger than the period; anything older was seen before
         let since_edge = sample_ticks.wrapping_sub(edge_ticks);
-        let edge_is_new = since_edge <= elapsed && (step != 0 || edge_ticks != self.edge_ticks);
-        if edge_is_new {
-            self.edge(step, elapsed, since_edge);
-        } else if step != 0 {
-            // counts without an edge time: the capture failed, the period is all there is
-            self.edge(step, elapsed, 0);
+        let timed = edge_ticks != self.edge_ticks && since_edge <= elapsed;
+        if step != 0 {
+            // an edge without its time has just come, or the capture failed and the sample is all there is
+            self.edge(step, elapsed, if timed { since_edge } else { 0 });
+            self.untimed = !timed;
+        } else if timed && self.untimed {
+            self.age = since_edge;
+            self.untimed = false;
+        } else if timed {
+            self.edge(0, elapsed, since_edge);
         } else {
             self.age = self.age.saturating_add(elapsed).min(FORGOTTEN);
         }

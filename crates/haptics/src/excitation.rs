@@ -1,9 +1,9 @@
-//! Identification excitation: a smooth reference, a PD controller on it, and the 100 Hz low-pass on the command
-//! (ch. 3.5.2).
+//! Excitation for identification: a smooth reference, a PD controller, and a 100 Hz low-pass on the command
+//! [thesis, ch. 3.5.2].
 //!
-//! The phase is a 32-bit accumulator: it neither drifts nor loses resolution however long the excitation runs, and
-//! host and target step through the same phases. Amplitude is ramped in from where the handle is and out to the
-//! middle of the stroke, both with continuous acceleration.
+//! The phase is a 32-bit accumulator. It does not drift or lose resolution, and host and target step through the same phases.
+//! The amplitude ramps in from the present position of the handle and out to the middle of the stroke, both with continuous
+//! acceleration.
 
 use crate::{Accepted, Config, Device, Refused, filter::BiquadState, wave};
 
@@ -13,28 +13,28 @@ pub use wave::Wave;
 pub const RAMP_IN_S: f32 = 1.0;
 /// Length of the ramp at the end, s.
 pub const RAMP_OUT_S: f32 = 0.5;
-/// After the ramp the command itself fades out within this time, s.
+/// Fade-out of the command after the ramp, s.
 const FADE_S: f32 = 0.1;
 /// Longest excitation, s.
 const LONGEST_S: f32 = 3_600.0;
 /// Lowest frequency, Hz.
 const SLOWEST_HZ: f32 = 0.005;
 
-/// What a user asks to move.
+/// A requested excitation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excitation {
     /// Shape of the reference.
     pub wave: Wave,
-    /// Amplitude, half of peak to peak, m.
+    /// Amplitude, half of the peak-to-peak value, m.
     pub amplitude_m: f32,
-    /// Repetition rate, Hz; of a chirp the highest frequency.
+    /// Repetition rate, Hz. For a chirp, the highest frequency.
     pub frequency_hz: f32,
-    /// Length from the start of the ramp-in to the start of the ramp-out, s; 0 runs until stopped.
+    /// Time from the start of the ramp-in to the start of the ramp-out, s. 0 runs until stopped.
     pub seconds: f32,
 }
 
 impl Default for Excitation {
-    /// The thesis's: a sine of 2 Hz and 10 mm for 12 s.
+    /// A sine of 2 Hz and 10 mm for 12 s [thesis, ch. 3.5.2].
     fn default() -> Self {
         Self { wave: Wave::Sine, amplitude_m: 0.01, frequency_hz: 2.0, seconds: 12.0 }
     }
@@ -69,7 +69,7 @@ impl Excitation {
         Ok(())
     }
 
-    /// At most [`Self::fastest`], but for its rounding: without the square root, this being part of a control step.
+    /// Whether the frequency is at most [`Self::fastest`], up to rounding. Without a square root, as part of a control step.
     fn is_slow_enough(&self, device: &Device) -> bool {
         let turn_rate = core::f32::consts::TAU * self.frequency_hz;
         let speed = turn_rate * self.wave.speed_factor() * self.amplitude_m;
@@ -79,7 +79,7 @@ impl Excitation {
             && self.frequency_hz * device.period <= 0.1
     }
 
-    /// Highest frequency at this amplitude that force and speed allow, Hz, rounded down to something one can type.
+    /// Highest frequency that force and speed allow at this amplitude, Hz, rounded down to a number that is easy to type.
     fn fastest(&self, device: &Device) -> f32 {
         use friction::Scalar;
         let turn = core::f32::consts::TAU;
@@ -91,7 +91,7 @@ impl Excitation {
     }
 }
 
-/// A running excitation: its progress, and the memory of its controller.
+/// A running excitation: its progress and the state of its controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     generator: wave::Generator,
@@ -105,8 +105,8 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Starts at the position where the handle is. The excitation must be valid.
-    #[inline(always)] // made where it stays, as a contact is
+    /// Starts at the present position of the handle. The excitation must be valid.
+    #[inline(always)] // constructed in place, like a contact
     pub(crate) fn start(config: &Config, excitation: &Excitation, position: f32) -> Self {
         let steps = excitation.seconds * config.timing.rate;
         Self {
@@ -121,7 +121,7 @@ impl Drive {
         }
     }
 
-    /// Begins the ramp-out now, if it has not begun.
+    /// Begins the ramp-out, unless it has begun.
     pub(crate) fn stop(&mut self) {
         self.out_at = self.out_at.min(self.elapsed);
     }
@@ -138,7 +138,7 @@ impl Drive {
         self.reference
     }
 
-    /// One period: the command in N before the clamp, or `None` when the excitation has ended.
+    /// One period: the command before the clamp, N, or `None` after the end.
     pub(crate) fn step(&mut self, config: &Config, position: f32, velocity: f32) -> Option<f32> {
         let timing = &config.timing;
         let since_out = self.elapsed.saturating_sub(self.out_at) as f32;
@@ -150,7 +150,7 @@ impl Drive {
         let ramp_in = ease(self.elapsed as f32 * timing.per_ramp_in);
         let envelope = ramp_in * (1.0 - ease(out));
         let unit = self.generator.next();
-        // from the start to the middle of the stroke; a stop during the ramp-in takes what is left of it out, too
+        // from the start to the middle of the stroke; a stop during the ramp-in also removes the rest of it
         let home = self.start * (1.0 - ramp_in) * (1.0 - ease(out));
         let reference = home + self.amplitude * envelope * unit;
         let reference_velocity = (reference - self.reference) * timing.rate;
@@ -164,7 +164,7 @@ impl Drive {
     }
 }
 
-/// Ramp lengths in the units the step uses, so that it does not divide.
+/// Ramp lengths in the units of the step, which then does not divide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Timing {
     pub rate: f32,
@@ -186,7 +186,7 @@ impl Timing {
     }
 }
 
-/// 0 below 0, 1 above 1, between them with continuous second derivative: 10u³ − 15u⁴ + 6u⁵.
+/// Smooth step: 0 below 0, 1 above 1, between them 10u³ − 15u⁴ + 6u⁵ with continuous second derivative.
 fn ease(u: f32) -> f32 {
     if u <= 0.0 {
         0.0

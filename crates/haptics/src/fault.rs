@@ -1,4 +1,4 @@
-//! Why force was withdrawn, and why a request was not obeyed.
+//! Reasons why force was withdrawn or a request was denied.
 
 use core::fmt;
 
@@ -10,7 +10,7 @@ macro_rules! kinds {
         pub enum $name { $($(#[$vdoc])* $variant = $code,)* }
 
         impl $name {
-            /// All of them, in order of their codes.
+            /// All, in order of their codes.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
 
             /// Code on the wire; 0 means none.
@@ -31,7 +31,7 @@ macro_rules! kinds {
                 match self { $(Self::$variant => $id,)* }
             }
 
-            /// One sentence: what happened and what to do.
+            /// One sentence: what happened, and what to do.
             #[must_use]
             pub const fn explain(self) -> &'static str {
                 match self { $(Self::$variant => $why,)* }
@@ -47,55 +47,61 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// A fault: force 0 and amplifier off in the same step, latched until cleared at rest.
+    /// A fault. The same step gives force 0 with the amplifier off; the fault is latched until cleared at rest.
     FaultKind {
         /// Speed above `Device::overspeed`.
         Overspeed = 1, "overspeed", "the handle moved faster than the device allows; let it come to rest";
         /// Position beyond the stroke while force was on.
         EndOfStroke = 2, "end_of_stroke", "the handle ran to the end of its stroke; move it back inside";
-        /// Counts that no acceleration of this device explains.
+        /// Counts beyond the largest acceleration of the device.
         EncoderJump = 3, "encoder_jump", "the encoder moved more than physics allows in one period; check its cable and shield";
         /// A converter at the end of its scale.
         SensorRail = 4, "sensor_rail", "load cell or accelerometer is at the end of its scale; check cable and load";
         /// NaN or infinity in the loop.
         NonFinite = 5, "non_finite", "the control law gave a force that is not a number; choose another preset";
         /// A sample that came too late or too early.
-        MissedDeadline = 6, "missed_deadline", "a control period was missed: something kept the processor from its step; if it comes again, report it";
-        /// The host promised to be there and is not.
-        HostSilent = 7, "host_silent", "nothing came over the serial line for too long while the handle was driven; check host and cable, see `watch`";
-        /// Raised by the board: amplifier, supply, watchdog.
-        Hardware = 8, "hardware", "the board reported a fault of amplifier, supply or watchdog";
-        /// A person asked for it.
-        EmergencyStop = 9, "emergency_stop", "the emergency stop was pressed, or its wire is broken; release it";
-        /// Force and acceleration say motion, the encoder says rest.
-        EncoderSilent = 10, "encoder_silent", "force and acceleration say that the handle moves, the encoder says rest; check its cable and supply";
-        /// The supply fell below what the chip needs.
-        BrownOut = 11, "brown_out", "the 3.3 V supply broke down; check the USB power or the regulator, and what the amplifier draws";
-        /// The firmware gave up on a contradiction in itself.
-        Panic = 12, "panic", "the firmware met a contradiction in itself and restarted; report what was done before";
-        /// The loop had stopped.
-        Watchdog = 13, "watchdog", "the control loop had stopped and the watchdog restarted the chip; if it comes again, report it";
+        MissedDeadline = 6, "missed_deadline", "a control period was missed; if it happens again, report it";
+        /// The host broke its promise to report in time.
+        HostSilent = 7, "host_silent", "the host was silent for too long while the handle was driven; check host and cable, see `watch`";
+        /// Raised by the board: amplifier, supply or watchdog.
+        Hardware = 8, "hardware", "the board reports a fault of amplifier, supply or watchdog";
+        /// Emergency stop.
+        EmergencyStop = 9, "emergency_stop", "the emergency stop is pressed or its wire is broken; release it";
+        /// Force and acceleration show motion, the encoder shows rest.
+        EncoderSilent = 10, "encoder_silent", "force and acceleration show motion, the encoder shows rest; check its cable and supply";
+        /// The supply fell below the minimum of the chip.
+        BrownOut = 11, "brown_out", "the 3.3 V supply broke down; check USB power, regulator, and the current of the amplifier";
+        /// The firmware panicked.
+        Panic = 12, "panic", "the firmware panicked and restarted; report what happened before";
+        /// The loop stopped and the watchdog reset the chip.
+        Watchdog = 13, "watchdog", "the control loop stopped and the watchdog restarted the chip; if it happens again, report it";
         /// A fault exception of the processor.
-        Crash = 14, "crash", "the processor met an address or instruction that cannot be and restarted; report what was done before";
+        Crash = 14, "crash", "the processor met an invalid address or instruction and restarted; report what happened before";
+        /// The force of several steps in a row came out one period late.
+        LateForce = 15, "late_force", "the control step took too long, so the force came a period late; choose a lower rate or another law";
     }
 }
 
 kinds! {
-    /// Why a request was not obeyed; nothing has changed.
+    /// Reason why a request was denied. Nothing has changed.
     Denied {
         /// A fault is latched.
         FaultLatched = 1, "fault_latched", "a fault is latched: clear it first";
         /// The handle moves or is pushed.
-        NotAtRest = 2, "not_at_rest", "let go of the handle and wait until it rests";
+        NotAtRest = 2, "not_at_rest", "release the handle and wait until it rests";
         /// The handle is outside the stroke.
         OutsideStroke = 3, "outside_stroke", "the handle is outside its stroke: move it back by hand";
-        /// Something else is running.
+        /// Another mode is running.
         Busy = 4, "busy", "something else is running: stop it first";
         /// An excitation the device cannot follow.
         BadExcitation = 5, "bad_excitation", "the device cannot follow this excitation";
         /// A sensor is at its rail.
         SensorRail = 6, "sensor_rail", "load cell or accelerometer is at the end of its scale";
-        /// Too near the end of the stroke for what was asked.
+        /// Too close to the end of the stroke.
         NoRoom = 7, "no_room", "the handle is within 5 mm of the end of its stroke: move it to the middle by hand";
+        /// The handle is driven, not rendered.
+        Driven = 8, "busy", "a motion is running: `stop` ramps it out, `off` switches the amplifier off at once";
+        /// A request that `off` overtook.
+        SwitchedOff = 9, "switched_off", "`off` came after this command";
     }
 }

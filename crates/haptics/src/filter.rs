@@ -9,15 +9,15 @@ pub struct Biquad {
     a: [f32; 2],
 }
 
-/// Memory of a [`Biquad`], transposed direct form II.
+/// State of a [`Biquad`], transposed direct form II.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BiquadState {
     s: [f32; 2],
 }
 
 impl Biquad {
-    /// Second-order Butterworth low-pass by the bilinear transform, pre-warped so that the gain at `cutoff_hz` is
-    /// 1/√2. A cut-off at or above half the sampling rate, or not a positive number, passes everything.
+    /// Second-order Butterworth low-pass by the bilinear transform, pre-warped for a gain of 1/√2 at `cutoff_hz`. Passes
+    /// everything if the cut-off is not positive, or at least half the sampling rate.
     #[must_use]
     pub fn low_pass(cutoff_hz: f32, period: f32) -> Self {
         let turn = cutoff_hz * period;
@@ -54,7 +54,7 @@ mod tests {
     fn gain(filter: &Biquad, hz: f64) -> f64 {
         let mut state = BiquadState::default();
         let (mut re, mut im) = (0.0, 0.0);
-        // whole periods of every frequency tried, after the transient
+        // whole periods of every frequency, after the transient
         for k in 0..4_000_u32 {
             let phase = core::f64::consts::TAU * hz * f64::from(k) * 1e-3;
             let y = f64::from(filter.step(&mut state, phase.sin() as f32));

@@ -1,15 +1,15 @@
-//! What goes into the control step and what comes out of it.
+//! Inputs and outputs of the control step.
 
 use crate::{Denied, FaultKind, ModeId};
 
-/// Everything the hardware latched for one control period. Raw codes: SI is made inside the step.
+/// Readings that the hardware latched for one control period, in raw codes. The step converts them to SI.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Inputs {
-    /// Free-running timer when encoder and converters were sampled, ticks; wraps.
+    /// Time of the sample, ticks of the free-running timer. Wraps.
     pub sample_ticks: u32,
-    /// Quadrature counter, two's complement; wraps.
+    /// Quadrature count, two's complement. Wraps.
     pub count: u32,
-    /// Timer at the last encoder edge before the sample, ticks.
+    /// Time of the last encoder edge before the sample, ticks.
     pub edge_ticks: u32,
     /// Load cell, raw code.
     pub load_code: u16,
@@ -20,7 +20,7 @@ pub struct Inputs {
 /// Result of one control step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Outputs {
-    /// Force the actuator is told to apply to the handle, N; within ±`force_max`, 0 while `amplifier` is off.
+    /// Commanded force on the handle, N. Within ±`force_max`; 0 while `amplifier` is off.
     pub force: f32,
     /// Amplifier enable.
     pub amplifier: bool,
@@ -28,22 +28,22 @@ pub struct Outputs {
     pub position: f32,
     /// Handle velocity, m/s (M/T estimate).
     pub velocity: f32,
-    /// Reference the excitation follows, m; the handle position when there is none.
+    /// Reference of the excitation, m. The handle position without one.
     pub reference: f32,
-    /// Which state the machine is in after this step.
+    /// Mode after this step.
     pub mode: ModeId,
     /// The latched fault.
     pub fault: Option<FaultKind>,
-    /// Position of the virtual block, m (the stuck point with the impedance renderer).
+    /// Position of the virtual block, m; with the impedance renderer, the stuck point.
     pub block_position: f32,
-    /// Velocity of the virtual block, m/s; exactly 0 while stuck.
+    /// Velocity of the virtual block, m/s. Exactly 0 while stuck.
     pub block_velocity: f32,
-    /// The rendered contact sticks.
+    /// Whether the rendered contact sticks.
     pub stuck: bool,
     /// Friction force on the virtual block, N, positive against positive motion.
     pub friction: f32,
-    /// The request handed to this step was not obeyed, and why.
+    /// Reason why the request of this step was denied.
     pub denied: Option<Denied>,
-    /// True in the one step that completed an identification: its sums are in `State::recorder`.
+    /// True in the step that completes an identification. Its sums are in `State::recorder`.
     pub identified: bool,
 }

@@ -1,21 +1,11 @@
-//! The control step of a 1-DOF friction display, `no_std`, `f32`, pure.
+#![doc = include_str!("../README.md")]
 //!
-//! ```text
-//!  Inputs ──▶ estimator ──▶ machine ──▶ renderer | excitation ──▶ safety ──▶ Outputs
-//!  counts,    M/T velocity   idle        friction    PD on a         clamp,
-//!  ticks,                    rendering   on the      reference       faults
-//!  codes                     exciting    handle
-//!                            fault
-//! ```
+//! ## Items
 //!
-//! [`step()`] is a function of [`Config`], [`State`], a [`Request`] and [`Inputs`]; time stamps are inputs. [`Control`]
-//! holds configuration and state together and is the one place where a configuration is swapped.
-//!
-//! [`Settings`] are what people set, in SI: `validate` knows the physics of the [`Device`] ([`bounds`]) and `build`
-//! turns them into the [`Config`] the loop runs.
-//!
-//! What this crate does *not* do: read a clock, touch hardware, allocate, log, or solve the identification it
-//! accumulates inside the interrupt (see [`streaming_identify`]).
+//! * [`step()`] is the control step, a function of [`Config`], [`State`], a [`Request`] and [`Inputs`]. [`Control`] holds
+//!   configuration and state together and swaps configurations.
+//! * [`Settings`] become a [`Config`] for a [`Device`]; [`bounds`] has the formulas.
+//! * [`streaming_identify`] accumulates an identification in the interrupt and solves it outside.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! The state machine. States carry what only they know.
+//! The state machine. Each state carries its own data.
 //!
 //! ```text
 //!                 Render(true)                    Excite, Identify
@@ -7,64 +7,68 @@
 //!      IDLE ◀── Render(false), Stop ──┘                        EXCITING
 //!        ▲ │                                                       │
 //!        │ └──────────────── Excite, Identify ────────────────────▶│
-//!        │◀───────── ramp-out over: time is up, or Stop ───────────┘
+//!        │◀───────── end of the ramp-out, after time or Stop ──────┘
 //!        │
-//!        │  ClearFault, and the handle is at rest,       any check, or Raise(kind)
-//!        │  let go of, inside the stroke             ┌───────── from every state
+//!        │  ClearFault, with the handle at rest,         any check, or Raise(kind)
+//!        │  released, inside the stroke              ┌───────── from every state
 //!        └──────────────────────────────── FAULT ◀───┘
 //! ```
 //!
-//! Force is on in RENDERING and EXCITING only. The step that finds a fault already gives force 0 with the amplifier
-//! off. The first fault is kept with the moment and the motion it was found at; later ones do not overwrite it.
+//! Off returns to IDLE from RENDERING and EXCITING within its step.
+//!
+//! Force is on only in RENDERING and EXCITING. The step that finds a fault gives force 0 with the amplifier off. The first
+//! fault is kept with its time and motion; later faults do not overwrite it.
 
 use crate::excitation::{Drive, Excitation};
 use crate::renderer::Contact;
 use crate::streaming_identify::Procedure;
 use crate::{FaultKind, Probe};
 
-/// Something asked of the loop; handled between two steps.
+/// A request to the loop, handled between two steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one copy per request, not per step
 pub enum Request {
-    /// Puts the virtual contact on the handle, or takes it off.
+    /// Turns the virtual contact on or off.
     Render(bool),
     /// Moves the handle for identification.
     Excite(Excitation),
-    /// The thesis's identification procedure: excite, warm up, accumulate the normal equations.
+    /// Identifies: excite, warm up, accumulate the normal equations [thesis, ch. 3.5].
     Identify(Procedure),
     /// The push of the self-test.
     Probe,
-    /// Ends whatever runs; an excitation ramps out first.
+    /// Returns to idle. An excitation ramps out first.
     Stop,
-    /// Leaves the fault state, if the handle is at rest and let go of.
+    /// Switches the force off in this step, whatever runs. A latched fault stays. Never denied.
+    Off,
+    /// Leaves the fault state if the handle is at rest and released.
     ClearFault,
-    /// The board or a person reports a fault.
+    /// Raises a fault, from the board or a person.
     Raise(FaultKind),
-    /// The host promises another such request within so many seconds while force is on; 0 takes the promise back.
+    /// Promise of the host to repeat this request in time while force is on.
     HostWatch {
-        /// Length of the promise, s.
+        /// Longest time to the next request, s. 0 withdraws the promise.
         seconds: f32,
     },
 }
 
-/// What the machine is doing.
+/// State of the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(clippy::large_enum_variant)] // lives in one place, never moved in the hot path
+#[allow(clippy::large_enum_variant)] // in one place, never moved in the hot path
 pub enum Mode {
     /// Force 0, amplifier off.
     Idle,
     /// A virtual contact is on the handle.
     Rendering {
-        /// Timer when it was put there, ticks.
+        /// Time at which it began, ticks.
         since_ticks: u32,
-        /// The contact and its memory.
+        /// The contact with its state.
         contact: Contact,
     },
     /// The handle is driven.
     Exciting {
         /// Progress of the excitation.
         drive: Drive,
-        /// Sums are accumulated.
+        /// Whether sums are accumulated.
         identifying: bool,
     },
     /// The handle is pushed for the self-test.
@@ -73,18 +77,18 @@ pub enum Mode {
     Fault(Fault),
 }
 
-/// What is kept of a fault.
+/// Record of a fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fault {
     /// The first fault.
     pub kind: FaultKind,
-    /// Timer when it was found, ticks.
+    /// Time of the fault, ticks.
     pub at_ticks: u32,
-    /// Handle position then, m.
+    /// Handle position at that time, m.
     pub position: f32,
-    /// Handle velocity then, m/s.
+    /// Handle velocity at that time, m/s.
     pub velocity: f32,
-    /// Force commanded in the step before, N.
+    /// Force commanded in the previous step, N.
     pub force: f32,
 }
 
@@ -106,7 +110,7 @@ pub enum ModeId {
 }
 
 impl ModeId {
-    /// All of them, in order of their codes.
+    /// All, in order of their codes.
     pub const ALL: &'static [Self] =
         &[Self::Idle, Self::Rendering, Self::Exciting, Self::Identifying, Self::Fault];
 
@@ -122,7 +126,7 @@ impl ModeId {
         Self::ALL.iter().copied().find(|mode| mode.code() == code)
     }
 
-    /// One word for it.
+    /// Name, one word.
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {

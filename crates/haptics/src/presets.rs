@@ -1,8 +1,8 @@
-//! The presets every device knows: materials of table 3-3, run 1, and a viscous one of table 5-2.
+//! Built-in presets: the materials of [thesis, table 3-3], run 1, and viscous damping of [thesis, table 5-2].
 //!
-//! The coupling is tribos's own choice: 8 000 N/m is inside the bound of eq. 4.18 extended by B (33 000 N/m with
-//! 15 N·s/m), and K·1.5T < b + B holds even with a whole period of delay and a device of 1 N·s/m; limit-cycle
-//! velocities (eq. 4.35) are 0.6 to 4.6 mm/s, all below Δv of table 3-3.
+//! The coupling is not from a source. 8 000 N/m is within the bound of [thesis, eq. 4.18] extended by B (33 000 N/m with
+//! 15 N·s/m); K·1.5T < b + B holds even with a whole period of delay and a device of 1 N·s/m. The limit-cycle velocities of
+//! [thesis, eq. 4.35] are 0.6 to 4.6 mm/s, all below Δv of [thesis, table 3-3].
 
 use crate::settings::{LawKind, MAX_EFFECTS, RendererKind, Settings};
 
@@ -10,7 +10,7 @@ use crate::settings::{LawKind, MAX_EFFECTS, RendererKind, Settings};
 pub type Make = fn() -> Settings;
 
 impl Settings {
-    /// A frame for the presets: the coupling, and what the other laws need.
+    /// Common part of the presets: the coupling, and parameters of other laws.
     const fn karnopp(levels: [f32; 6], dv: f32, mass: f32) -> Self {
         let [f_static_p, f_static_n, f_dynamic_p, f_dynamic_n, damping_p, damping_n] = levels;
         Self {
@@ -33,7 +33,7 @@ impl Settings {
         }
     }
 
-    /// Aluminium on brass (table 3-3, run 1).
+    /// Aluminium on brass ([thesis, table 3-3], run 1).
     #[must_use]
     pub const fn brass() -> Self {
         Self {
@@ -42,7 +42,7 @@ impl Settings {
         }
     }
 
-    /// Aluminium on Teflon (table 3-3, run 1).
+    /// Aluminium on Teflon ([thesis, table 3-3], run 1).
     #[must_use]
     pub const fn teflon() -> Self {
         Self {
@@ -51,7 +51,7 @@ impl Settings {
         }
     }
 
-    /// Aluminium on rubber (table 3-3, run 1).
+    /// Aluminium on rubber ([thesis, table 3-3], run 1).
     #[must_use]
     pub const fn rubber() -> Self {
         Self {
@@ -60,7 +60,7 @@ impl Settings {
         }
     }
 
-    /// Viscous, 35 N·s/m and 0.5 kg, no dry friction (table 5-2).
+    /// Viscous, 35 N·s/m and 0.5 kg, no dry friction [thesis, table 5-2].
     #[must_use]
     pub const fn viscous() -> Self {
         Self::karnopp([0.0, 0.0, 0.0, 0.0, 35.0, 35.0], 1e-4, 0.5)
@@ -74,7 +74,7 @@ impl Settings {
         ("viscous", Self::viscous),
     ];
 
-    /// The preset of this name.
+    /// The preset with this name.
     #[must_use]
     pub fn preset(name: &str) -> Option<Self> {
         Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, make)| make())

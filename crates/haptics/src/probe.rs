@@ -1,29 +1,29 @@
-//! The push of the self-test: open loop, because a wrong sign anywhere would make a controller run away.
+//! The push of the self-test. Open loop, because a controller would run away with any wrong sign.
 //!
 //! ```text
 //! force   ramp until it moves      + one part    - two parts    + one part
 //!         ___/                     ‾‾‾‾‾‾‾‾‾‾    ____________   ‾‾‾‾‾‾‾‾‾‾   off
 //! ```
 //!
-//! The handle moves by some millimetre to and fro and is left where it was, at rest. The push ends with the amplifier
-//! off whatever happens: when it was pushed as far as is allowed and nothing moved, and when it moved too far.
+//! The handle moves back and forth by about a millimetre and ends at rest where it was. The push always ends with the
+//! amplifier off, also when the largest force moved nothing or the handle moved too far.
 
 use crate::Device;
 
 /// Growth of the force until the handle moves, N/s.
 const RATE: f32 = 20.0;
-/// Share of the actuator's force beyond which nothing is tried.
+/// Largest share of the actuator's force.
 const LIMIT: f32 = 0.8;
-/// Force beyond the one that made it move, N.
+/// Force above the one that moved the handle, N.
 const EXTRA: f32 = 1.5;
-/// Motion, counts.
+/// Motion that counts as moved, counts.
 const MOVED: u32 = 20;
-/// One part of the pattern, s.
+/// Length of one part of the pattern, s.
 const PART_S: f32 = 0.02;
-/// Farthest from where it began, m.
+/// Largest distance from the start, m.
 const FAR: f32 = 3.5e-3;
 
-/// A push under way.
+/// A running push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Probe {
     start: u32,
@@ -33,14 +33,14 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// Room that it needs on either side, m.
+    /// Room needed on either side, m.
     pub const ROOM: f32 = FAR + 1e-3;
 
     pub(crate) fn start(count: u32) -> Self {
         Self { start: count, force: 0.0, moved: None }
     }
 
-    /// One period: the force in N, or `None` when it is over.
+    /// One period: the force, N, or `None` after the end.
     pub(crate) fn step(&mut self, device: &Device, count: u32) -> Option<f32> {
         let travel = (count.wrapping_sub(self.start) as i32).unsigned_abs();
         if travel as f32 * device.metre_per_count > FAR {

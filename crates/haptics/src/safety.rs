@@ -3,49 +3,49 @@
 use crate::silence::{Bounds, Silence};
 use crate::{Device, FaultKind, Inputs};
 
-/// Samples in a row at a rail before it is a fault: an impact saturates the accelerometer for a sample or two.
+/// Consecutive samples at a rail that are a fault. An impact saturates the accelerometer for a sample or two.
 const RAIL_SAMPLES: u8 = 3;
 
-/// Highest code: 12-bit conversions summed 16 times.
+/// Highest code: the sum of 16 12-bit conversions.
 const TOP_CODE: u16 = 65_520;
 
-/// What one step knows of the motion.
+/// Motion in one step, as the checks see it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Motion {
     pub position: f32,
     pub velocity: f32,
-    /// Moved in the last period, m.
+    /// Displacement in the last period, m.
     pub displacement: f32,
-    /// Ticks between the last two samples; `None` at the first.
+    /// Time between the last two samples, ticks. `None` at the first.
     pub elapsed: Option<u32>,
-    /// The handle is driven, not held: the end of the stroke is to be avoided, not only detected.
+    /// Whether the handle is driven rather than held: the end of the stroke is then avoided, not only detected.
     pub driven: bool,
-    /// Force of the step before, N.
+    /// Force of the previous step, N.
     pub command: f32,
 }
 
-/// What the checks remember.
+/// State of the checks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Guard {
     previous_velocity: f32,
     rails: u8,
-    /// Steps until the host's promise is broken; `None`: no promise.
+    /// Steps until the promise of the host is broken. `None` without a promise.
     host: Option<u32>,
     silence: Silence,
 }
 
 impl Guard {
-    /// The host promises to speak again within so many steps; 0 takes the promise back.
+    /// Sets the promise of the host to report within `steps`. 0 withdraws it.
     pub(crate) fn watch(&mut self, steps: u32) {
         self.host = if steps == 0 { None } else { Some(steps) };
     }
 
-    /// The handle moves although the encoder does not say so.
+    /// Whether the handle moves although the encoder shows rest.
     pub(crate) fn moves_unseen(&self, silence: &Bounds) -> bool {
         self.silence.moves(silence)
     }
 
-    /// What was summed up belongs to another period.
+    /// Discards sums of another control period.
     pub(crate) fn period_changes(&mut self) {
         self.silence.afresh();
     }
@@ -55,7 +55,7 @@ impl Guard {
         self.silence.share(silence)
     }
 
-    /// Runs every check; call once a step in every mode, so that the memory is right when force comes on.
+    /// Runs every check. Call it once per step in every mode, so that its state is valid when force comes on.
     pub(crate) fn check(
         &mut self,
         device: &Device,
@@ -72,7 +72,7 @@ impl Guard {
         }
         let silent = self.silence.sample(silence, inputs, m.command);
         let half_stroke = 0.5 * device.stroke;
-        // driven: stop 0.5 mm before the stops. Held by a hand: stops are reached in normal use, 1 mm beyond is not.
+        // driven: fault 0.5 mm before the stops; held by a hand: stops are reached in normal use, 1 mm beyond is a fault
         let limit = if m.driven { half_stroke - 0.5e-3 } else { half_stroke + 1e-3 };
 
         if m.elapsed.is_some_and(|ticks| ticks > period_ticks + period_ticks / 2 || ticks < period_ticks / 2)
@@ -96,7 +96,7 @@ impl Guard {
     }
 }
 
-/// Either converter is at an end of its scale.
+/// Whether either converter is at an end of its scale.
 pub(crate) fn at_rail(device: &Device, inputs: &Inputs) -> bool {
     let low = device.rail_codes;
     // one comparison for both ends: below `low` the difference wraps
@@ -104,7 +104,7 @@ pub(crate) fn at_rail(device: &Device, inputs: &Inputs) -> bool {
     inputs.load_code.wrapping_sub(low) > span || inputs.accel_code.wrapping_sub(low) > span
 }
 
-/// The command that may leave the step: within ±`force_max`, or `None` when it is not a number.
+/// Command within ±`force_max`. `None` for NaN.
 pub(crate) fn clamp(force: f32, force_max: f32) -> Option<f32> {
     if !force.is_finite() {
         None

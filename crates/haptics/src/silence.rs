@@ -1,17 +1,18 @@
-//! An encoder that is silent while force and acceleration say motion: a broken cable, a slipped disc, a dead channel.
+//! Detection of a silent encoder: force and acceleration show motion, the count does not (broken cable, slipped disc, dead
+//! channel).
 //!
-//! While the count stays within one of where it stopped, the accelerometer and the net force on the device (command
-//! less what the load cell passes on) are summed up. A handle that really rests gives neither; a handle that moves
-//! unseen gives both, with the same sign: v = ∫a dt and m·v = ∫(F − F_load) dt − what friction takes.
+//! While the count stays within one of its last value, the accelerometer and the net force on the device (command less load
+//! cell) are integrated. A handle at rest gives neither sum. A handle that moves gives both, with the same sign: v = ∫a dt
+//! and m·v = ∫(F − F_load) dt less the impulse of friction.
 //!
-//! **What it finds**: a change of speed of [`SPEED`] within some [`MEMORY_S`], of which the net force explains at
-//! least [`SHARE`]. The full force of the thesis's actuator gives that in 4 ms and 0.1 mm; the least constant
-//! acceleration that does is 0.5 m/s². An unseen motion at constant speed gives no evidence and is not found: it
-//! changes no force of the loop, either.
+//! **Detected**: a change of speed of [`SPEED`] within about [`MEMORY_S`] of which the net force explains at least
+//! [`SHARE`]. The full force of the actuator of [thesis, table 3-1] gives that in 4 ms and 0.1 mm; the smallest sufficient
+//! constant acceleration is 0.5 m/s². A motion at constant speed gives no evidence and is not detected; it changes no force
+//! of the loop.
 //!
-//! **What it bears**: an accelerometer or load cell with an offset (the means are tracked over [`DRIFT_S`]), noise (the
-//! thesis's is 2 mm/s and 0.4 mN·s), motion too slow for edges, impacts (edges start it afresh), a slow load on a
-//! stuck block (no acceleration).
+//! **Tolerated**: offsets of accelerometer and load cell (tracked over [`DRIFT_S`]), noise (2 mm/s and 0.4 mN·s for
+//! [thesis, table 3-2]), motion too slow for edges, impacts (edges restart the sums), a slow load on a stuck block (no
+//! acceleration).
 
 use crate::{Device, Inputs};
 
@@ -19,28 +20,28 @@ use crate::{Device, Inputs};
 const SPEED: f32 = 0.05;
 /// Share of the momentum that the net force must explain.
 const SHARE: f32 = 0.25;
-/// What was summed up is forgotten with this time constant, s.
+/// Time constant of forgetting the sums, s.
 const MEMORY_S: f32 = 0.1;
-/// Offsets are followed with this time constant, s: slow against every motion that is accelerated.
+/// Time constant of the offsets, s: slow against every accelerated motion.
 const DRIFT_S: f32 = 4.0;
-/// Samples that must agree: a blow is felt before the handle has moved, and a single wild sample is not motion.
+/// Consecutive samples that must agree: a blow is measured before the handle moves, and a single outlier is no motion.
 const SAMPLES: u32 = 3;
 
-/// The bounds in what a step sums up, codes and samples: a step neither divides nor converts.
+/// Bounds in the units of the sums, codes and samples, so that a step neither divides nor converts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bounds {
-    /// Share of the sums kept in a period.
+    /// Share of the sums kept per period.
     keep: f32,
-    /// Share of an offset learned in a period.
+    /// Share of an offset learned per period.
     drift: f32,
-    /// Codes of the load cell in a newton.
+    /// Codes of the load cell per newton.
     code_per_newton: f32,
     /// [`SPEED`], accelerometer codes · periods.
     speed: f32,
-    /// Load cell codes that must go with a code of the accelerometer.
+    /// Load cell codes that must accompany a code of the accelerometer.
     share: f32,
-    /// Distance from where the speed leads that no acceleration explains, m: twice what the largest one moves in a
-    /// period, for the lag of the velocity.
+    /// Largest deviation from the predicted position that an acceleration explains, m. Twice the displacement of the largest
+    /// acceleration in a period, for the lag of the velocity.
     pub jump: f32,
 }
 
@@ -58,7 +59,7 @@ impl Bounds {
     }
 }
 
-/// A signal without its offset, summed up since the last count, codes.
+/// Sum of a signal without its offset since the last count, codes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Sum {
     offset: f32,
@@ -73,15 +74,14 @@ impl Sum {
     }
 }
 
-/// What is remembered of the silence.
+/// State of the detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Silence {
-    /// Count around which there is silence.
+    /// Count at which the encoder became silent.
     around: u32,
-    /// Samples in a row that said motion, saturating.
+    /// Consecutive samples that showed motion, saturating.
     samples: u32,
-    /// Share of an offset learned with a sample: all with the first, then less and less (2/n) down to that of
-    /// [`DRIFT_S`].
+    /// Share of an offset learned with a sample: all with the first, then 2/n, down to that of [`DRIFT_S`].
     learn: f32,
     acceleration: Sum,
     force: Sum,
@@ -94,7 +94,7 @@ impl Default for Silence {
 }
 
 impl Silence {
-    /// One sample; `command` is the force of the step before, N. True while the handle moves unseen.
+    /// One sample. `command` is the force of the previous step, N. True while the handle moves without counts.
     #[inline]
     pub fn sample(&mut self, bounds: &Bounds, inputs: &Inputs, command: f32) -> bool {
         let acceleration = f32::from(inputs.accel_code);
@@ -105,7 +105,7 @@ impl Silence {
         if learn > bounds.drift {
             self.learn = learn - 0.5 * learn * learn;
         }
-        // one count to and fro is what a dead channel of the two gives, and noise on an edge
+        // one count back and forth comes from a dead channel, or from noise at an edge
         if inputs.count.wrapping_sub(self.around).wrapping_add(1) > 2 {
             self.around = inputs.count;
             self.samples = 0;
@@ -118,18 +118,18 @@ impl Silence {
         self.samples >= SAMPLES
     }
 
-    /// Forgets what was summed up, not the offsets.
+    /// Clears the sums and keeps the offsets.
     pub fn afresh(&mut self) {
         self.samples = 0;
         (self.acceleration.sum, self.force.sum) = (0.0, 0.0);
     }
 
-    /// Speed that the accelerometer says and no count, as a share of what would be a fault.
+    /// Change of speed that only the accelerometer shows, as a share of the fault's bound.
     pub fn share(&self, bounds: &Bounds) -> f32 {
         self.acceleration.sum.abs() / bounds.speed
     }
 
-    /// The handle moves, for all that acceleration and force say.
+    /// Whether acceleration and force both show motion.
     #[inline]
     pub fn moves(&self, bounds: &Bounds) -> bool {
         let (speed, momentum) = (self.acceleration.sum, self.force.sum);

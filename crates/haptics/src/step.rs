@@ -1,7 +1,7 @@
-//! The control step: a pure function of configuration, state and inputs. Time comes in as stamps; nothing else does.
+//! The control step: a pure function of configuration, state and inputs. Time comes in as stamps.
 //!
-//! Order: measure, handle the request, run the mode, check, clamp. The checks run in the same step as the force they
-//! judge, so no force that a check refuses ever leaves.
+//! Order: measure, handle the request, run the mode, check, clamp. A check judges the force of its own step, so a rejected
+//! force never leaves it.
 
 use crate::estimator::Estimator;
 use crate::excitation::Drive;
@@ -12,24 +12,24 @@ use crate::silence::Bounds;
 use crate::streaming_identify::{Procedure, Recorder};
 use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs, Probe};
 
-/// Everything the loop remembers from step to step.
+/// State of the loop between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     estimator: Estimator,
     guard: Guard,
     mode: Mode,
     previous_ticks: Option<u32>,
-    /// Force given in the last step, N.
+    /// Force of the previous step, N.
     force: f32,
-    /// Difference to the last force when a configuration was swapped, N; decays.
+    /// Decaying force difference after a swap of the configuration, N.
     blend: f32,
-    /// A configuration was swapped and the difference is not known yet.
+    /// A configuration was swapped and the force difference is not yet known.
     swapped: bool,
-    /// The contact or the drive was made in this period, which has no time for its first step.
+    /// The contact or drive was constructed in this period, which leaves no time for its first step.
     fresh: bool,
-    /// An identification that has begun; its sums are cleared in the next period, for the same reason.
+    /// An identification that began. Its sums are cleared in the next period, for the same reason.
     begun: Option<Procedure>,
-    /// The next step runs with another configuration than the last.
+    /// The next step runs with a new configuration.
     reconfigured: bool,
     recorder: Recorder,
 }
@@ -53,8 +53,8 @@ impl State {
         }
     }
 
-    /// The next step will run with another configuration: it goes on without a jump in force. When the period is
-    /// another one, too, the time since the last step says nothing.
+    /// Announces a new configuration for the next step, which continues without a jump in force. If the period changes, the
+    /// time since the last step is not checked.
     pub fn reconfigured(&mut self, period_changes: bool) {
         self.reconfigured = true;
         if period_changes {
@@ -63,19 +63,19 @@ impl State {
         }
     }
 
-    /// A contact whose memory does not belong to the configuration is made anew.
+    /// Replaces a contact whose state does not fit the configuration.
     fn take_up(&mut self, config: &Config, handle: &Handle) {
         if let Mode::Rendering { contact, .. } = &mut self.mode {
             if !contact.fits(config) {
                 *contact = Contact::new(config, &handle.after(config.device.period));
                 self.fresh = true;
             }
-            // the difference is taken when the new force is known
+            // the difference is computed once the new force is known
             self.swapped = true;
         }
     }
 
-    /// What the machine is doing.
+    /// State of the machine.
     #[must_use]
     pub fn mode(&self) -> &Mode {
         &self.mode
@@ -90,14 +90,13 @@ impl State {
         }
     }
 
-    /// The sums of the last identification. Solve them outside the control interrupt.
+    /// Sums of the last identification. Solve them outside the control interrupt.
     #[must_use]
     pub fn recorder(&self) -> &Recorder {
         &self.recorder
     }
 
-    /// Change of speed that the accelerometer says and the encoder does not, as a share of what is the fault
-    /// `encoder_silent` (if the force says so, too).
+    /// Change of speed that only the accelerometer shows, as a share of the bound of the fault `encoder_silent`.
     #[must_use]
     pub fn unseen_motion(&self, device: &Device) -> f32 {
         self.guard.unseen(&Bounds::new(device))
@@ -116,7 +115,7 @@ impl State {
         }
     }
 
-    /// Obeys a request, or says why not.
+    /// Handles a request, or returns the reason why it is denied.
     fn obey(
         &mut self,
         config: &Config,
@@ -137,6 +136,13 @@ impl State {
                 self.guard.watch((seconds * config.timing.rate) as u32);
                 Ok(())
             }
+            Request::Off => {
+                if !faulty {
+                    self.mode = Mode::Idle;
+                }
+                self.guard.watch(0);
+                Ok(())
+            }
             Request::ClearFault => self.clear(config, inputs, handle),
             Request::Stop => {
                 match &mut self.mode {
@@ -150,10 +156,9 @@ impl State {
                 Ok(())
             }
             _ if faulty => Err(Denied::FaultLatched),
+            Request::Render(false) if running => Err(Denied::Driven),
             Request::Render(false) => {
-                if let Mode::Rendering { .. } = self.mode {
-                    self.mode = Mode::Idle;
-                }
+                self.mode = Mode::Idle;
                 Ok(())
             }
             _ if running => Err(Denied::Busy),
@@ -217,10 +222,10 @@ impl State {
 
 /// One control period.
 ///
-/// Pure: the same configuration, state, request and inputs give the same outputs and state, bit for bit, on every
-/// machine. It never panics; whatever comes in, the outputs are finite and |force| ≤ `force_max`.
+/// Pure: the same configuration, state, request and inputs give the same outputs and state, bit for bit, on every machine.
+/// Never panics. For any input the outputs are finite and |force| ≤ `force_max`.
 ///
-/// After `config` was replaced call [`State::reconfigured`] before the next step.
+/// After replacing `config`, call [`State::reconfigured`] before the next step.
 pub fn step(config: &Config, state: &mut State, request: Option<&Request>, inputs: &Inputs) -> Outputs {
     let device = &config.device;
     let elapsed = state.previous_ticks.map(|previous| inputs.sample_ticks.wrapping_sub(previous));
@@ -310,7 +315,7 @@ fn run_mode(
             if core::mem::take(&mut state.swapped) {
                 state.blend = state.force - rendered.force;
             }
-            // a difference that is not a number is not worth keeping; the fault shows in the force itself
+            // a NaN difference is dropped; the force itself raises the fault
             state.blend = if state.blend.abs() > 1e-4 { state.blend * config.blend_decay } else { 0.0 };
             describe(&rendered, outputs);
             Some(rendered.force + state.blend)
@@ -325,13 +330,13 @@ fn run_mode(
                 *identifying = !complete;
             }
             if command.is_none() {
-                // the promise was for this motion
+                // the promise applied to this motion
                 state.guard.watch(0);
                 state.mode = Mode::Idle;
             }
             command
         }
-        // a wildcard: spelled out, the compiler adds a trap for a mode that cannot be
+        // a wildcard: with all modes spelled out the compiler adds a trap for an impossible one
         _ => None,
     }
 }
@@ -343,7 +348,7 @@ fn describe(rendered: &Rendered, outputs: &mut Outputs) {
     outputs.stuck = rendered.stuck;
 }
 
-/// Telemetry must not carry NaN: the force has its own fault for that.
+/// Replaces NaN in telemetry by 0. A NaN force raises its own fault.
 fn finite_or_zero(x: f32) -> f32 {
     if x.is_finite() { x } else { 0.0 }
 }

@@ -1,16 +1,16 @@
-//! What validation answers: refused with the number that would be accepted, or taken with a warning.
+//! Results of validation: refused with the number that would be accepted, or accepted with a warning.
 
 use crate::number::Text;
 use core::fmt;
 
-/// The values that would be accepted.
+/// Accepted values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Accepted {
-    /// Up to and including this.
+    /// At most this value.
     AtMost(f32),
-    /// From this on.
+    /// At least this value.
     AtLeast(f32),
-    /// From the first to the second.
+    /// From the first to the second value.
     Between(f32, f32),
 }
 
@@ -24,18 +24,18 @@ impl fmt::Display for Accepted {
     }
 }
 
-/// A set of parameters that must not run. One line names the parameter, its value and what is accepted.
+/// A refused set of parameters. Prints one line with the parameter, its value and the accepted values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refused {
-    /// Effect the parameter belongs to, if any.
+    /// Effect of the parameter, if any.
     pub effect: Option<&'static str>,
     /// Name of the parameter as a user types it.
     pub parameter: &'static str,
-    /// Value that was refused.
+    /// Refused value.
     pub value: f32,
-    /// What would be accepted, everything else unchanged.
+    /// Accepted values, with all other parameters unchanged.
     pub accepted: Accepted,
-    /// The reason, in a few words.
+    /// Reason in a few words.
     pub why: &'static str,
 }
 
@@ -50,16 +50,16 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// A set of parameters that is safe but will not feel as asked. It is taken.
+/// Warning for an accepted set of parameters that is safe but not faithful.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Warning {
     /// Name of the parameter as a user types it.
     pub parameter: &'static str,
-    /// Its value.
+    /// Value.
     pub value: f32,
-    /// What would be faithful, everything else unchanged.
+    /// Faithful values, with all other parameters unchanged.
     pub faithful: Accepted,
-    /// The reason, in a few words.
+    /// Reason in a few words.
     pub why: &'static str,
 }
 

@@ -1,25 +1,25 @@
-//! Shapes of the excitation, as functions of a 32-bit phase.
+//! Shapes of the excitation as functions of a 32-bit phase.
 
 use crate::excitation::Excitation;
 
 /// Shape of the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wave {
-    /// One frequency: the thesis's.
+    /// One frequency [thesis, ch. 3.5.2].
     Sine,
-    /// Harmonics 1, 2, 3, 5 and 7, amplitudes 1/n: speeds, accelerations and positions that one sine ties together
-    /// come apart.
+    /// Harmonics 1, 2, 3, 5 and 7 with amplitudes 1/n. Separates position, velocity and acceleration, which one sine ties
+    /// together.
     Multisine,
-    /// Frequency swept from a tenth to the whole and back, every 10 s or once in the time given.
+    /// Sweep from a tenth of the frequency to the frequency and back, every 10 s or once in the given time.
     Chirp,
-    /// Constant speed both ways, corners rounded over 4 % of the period.
+    /// Constant speed in both directions, with corners rounded over 4 % of the period.
     Triangle,
-    /// Moves and rests; rests grow 1, 2, 4, 8 times and begin again.
+    /// Moves and rests. The rests grow 1, 2, 4, 8 times, then start again.
     Dwell,
 }
 
 impl Wave {
-    /// All of them.
+    /// All variants.
     pub const ALL: &'static [Self] = &[Self::Sine, Self::Multisine, Self::Chirp, Self::Triangle, Self::Dwell];
 
     /// Name as typed.
@@ -34,13 +34,13 @@ impl Wave {
         }
     }
 
-    /// The wave of this name.
+    /// The wave with this name.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|wave| wave.id() == id)
     }
 
-    /// Peak speed over that of a sine of the same amplitude and frequency.
+    /// Peak speed relative to a sine of the same amplitude and frequency.
     #[must_use]
     pub const fn speed_factor(self) -> f32 {
         match self {
@@ -51,7 +51,7 @@ impl Wave {
         }
     }
 
-    /// Peak acceleration over that of a sine of the same amplitude and frequency.
+    /// Peak acceleration relative to a sine of the same amplitude and frequency.
     #[must_use]
     pub const fn acceleration_factor(self) -> f32 {
         match self {
@@ -67,9 +67,9 @@ impl Wave {
 const QUARTER: u32 = 1 << 30;
 /// Half width of a rounded corner, turns.
 const CORNER: f32 = 0.02;
-/// Time of one sweep when no length is given, s.
+/// Time of one sweep without a given length, s.
 const SWEEP_S: f32 = 10.0;
-/// Harmonics of the multisine: number, phase that keeps the peak of the sum low, amplitude.
+/// Harmonics of the multisine: number, phase (for a low peak of the sum), amplitude.
 const HARMONICS: [(u32, u32, f32); 5] = [
     (1, 0, MULTISINE_SCALE),
     (2, 165 << 24, MULTISINE_SCALE / 2.0),
@@ -77,10 +77,10 @@ const HARMONICS: [(u32, u32, f32); 5] = [
     (5, 30 << 24, MULTISINE_SCALE / 5.0),
     (7, 27 << 24, MULTISINE_SCALE / 7.0),
 ];
-/// One over the peak of the sum.
+/// Reciprocal of the peak of the sum.
 const MULTISINE_SCALE: f32 = 0.843_17;
 
-/// sin(2π·phase/2³²), |error| < 3·10⁻⁷. `libm::sinf` computes in `f64`, which this core does in software.
+/// sin(2π·phase/2³²), |error| < 3·10⁻⁷. `libm::sinf` computes in `f64`, which is software on this core.
 #[must_use]
 pub fn sine(phase: u32) -> f32 {
     let mut p = phase as i32;
@@ -95,9 +95,9 @@ pub fn sine(phase: u32) -> f32 {
         + s * (-0.645_963_7 + s * (0.079_689_68 + s * (-0.004_673_765_6 + s * 0.000_151_484_2))))
 }
 
-/// Constant speed with rounded corners, peak exactly 1.
+/// Triangle with rounded corners, peak exactly 1.
 fn triangle(phase: u32) -> f32 {
-    // distance from the corner of this half turn, turns; the corners are a quarter turn after each zero
+    // distance from the corner of this half turn, turns; each corner is a quarter turn after a zero
     let half = phase & (u32::MAX >> 1);
     let distance = half.abs_diff(QUARTER) as f32 * (1.0 / 4_294_967_296.0);
     let shape = if distance < CORNER {
@@ -109,7 +109,7 @@ fn triangle(phase: u32) -> f32 {
     if phase >> 31 == 0 { unit } else { -unit }
 }
 
-/// A minimum-jerk move from −1 to 1 in the first half of each half turn, then rest; back in the second half turn.
+/// Minimum-jerk moves: from −1 to 1 in the first quarter turn, then rest; back in the third quarter turn, then rest.
 fn dwell(phase: u32) -> f32 {
     let half = phase & (u32::MAX >> 1);
     let u = half as f32 * (1.0 / QUARTER as f32);
@@ -118,12 +118,12 @@ fn dwell(phase: u32) -> f32 {
     if phase >> 31 == 0 { unit } else { -unit }
 }
 
-/// Steps through a wave, one value in [−1, 1] a period: what the device asks of the handle, before amplitude and ramp.
+/// Generator of a wave: one value in [−1, 1] per period, before amplitude and ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Generator {
     wave: Wave,
     phase: u32,
-    /// Phase advanced in a period.
+    /// Phase increment per period.
     increment: u32,
     sweep: u32,
     sweep_increment: u32,
@@ -131,7 +131,7 @@ pub struct Generator {
 }
 
 impl Generator {
-    /// At the start of `excitation`, for a control period in s.
+    /// Generator at the start of `excitation`, for a control `period` in s.
     #[must_use]
     pub fn new(excitation: &Excitation, period: f32) -> Self {
         let per_turn = 4_294_967_296.0;
@@ -147,7 +147,7 @@ impl Generator {
         }
     }
 
-    /// The value of this period; advances by one.
+    /// Value of this period. Advances by one period.
     #[allow(clippy::should_implement_trait)] // it never ends
     pub fn next(&mut self) -> f32 {
         let (value, advance) = match self.wave {
@@ -204,7 +204,7 @@ mod tests {
             let mut generator = Generator::new(&excitation, 1e-4);
             let values: std::vec::Vec<f64> = (0..200_000).map(|_| f64::from(generator.next())).collect();
             let peak = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            // differences over 2 ms keep the f32 rounding of the values out
+            // differences over 2 ms suppress the f32 rounding of the values
             let h = 20;
             let dt = f64::from(h as u32) * 1e-4;
             let turn = core::f64::consts::TAU;

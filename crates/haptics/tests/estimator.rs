@@ -240,7 +240,7 @@ fn the_timer_wraps_and_an_old_edge_stays_old() {
 }
 
 #[test]
-fn motion_out_of_a_long_rest_is_seen_at_once() {
+fn motion_after_rest_is_seen_at_once() {
     // rests 30 s (beyond a wrap), then 10 m/s² for 20 ms
     let start = 30.0;
     let mut encoder =
@@ -262,7 +262,7 @@ fn motion_out_of_a_long_rest_is_seen_at_once() {
 }
 
 #[test]
-fn an_encoder_whose_phases_are_off_costs_its_error_in_speed_and_no_more() {
+fn phase_error_of_the_encoder_is_bounded() {
     // a count is a quarter of a line; its edges are up to 15 % of a count late
     let errors = [0.0, 0.1, 0.05, 0.15];
     // between neighbours, the largest deviation of an interval from one count

@@ -1,13 +1,13 @@
-//! The zero-crossing limit cycle of the virtual coupling: at the velocity of eq. 4.35 where Δv is below it, gone where
-//! Δv is above. The block is rendered, the handle is held still.
+//! Zero-crossing limit cycle of the virtual coupling with a fixed handle: at the velocity of [thesis, eq. 4.35] for a smaller
+//! Δv, absent for a larger one.
 
 mod rig;
 
 use haptics::{Device, LawKind, Request, Settings, bounds};
 use rig::{Rig, T, control};
 
-/// Largest |v| and |p| of the block in the last second of three, m/s and m from its middle. The block is put on the
-/// handle while both move at `start`, then the handle is held: with no force in the spring, as in the thesis.
+/// Largest |v| and |p| of the block in the last second of three, m/s and m from its middle. The block starts at the handle
+/// while both move at `start`, then the handle is held: no force in the spring, as in [thesis, ch. 4.6].
 fn swing(settings: &Settings, start: f64) -> (f64, f64) {
     let mut rig = Rig::of(&Device::default());
     let mut control = control(settings);
@@ -31,7 +31,7 @@ fn swing(settings: &Settings, start: f64) -> (f64, f64) {
 }
 
 #[test]
-fn chatters_at_the_velocity_of_4_35_below_it_and_stops_above_it() {
+fn limit_cycle_has_the_velocity_of_eq_4_35() {
     for (friction, mass, k, b) in
         [(4.0, 0.5, 10_000.0, 10.0), (2.0, 0.5, 25_000.0, 10.0), (3.0, 0.4, 8_000.0, 15.0)]
     {

@@ -1,4 +1,4 @@
-//! The state machine and its safety, by hand-made cases and by random ones.
+//! The state machine and its safety: hand-made and random cases.
 
 mod rig;
 
@@ -40,7 +40,7 @@ fn fault_of(disturb: impl Fn(u32, &mut Inputs)) -> Option<FaultKind> {
 }
 
 #[test]
-fn every_check_finds_its_fault_and_nothing_else_does() {
+fn every_check_finds_only_its_fault() {
     assert_eq!(fault_of(|_, _| {}), None);
     let late = |k: u32, inputs: &mut Inputs| {
         if k >= 5 {
@@ -80,7 +80,7 @@ fn every_check_finds_its_fault_and_nothing_else_does() {
 }
 
 #[test]
-fn a_fault_is_latched_until_cleared_at_rest_with_the_hand_off() {
+fn a_fault_is_latched_until_cleared_at_rest() {
     let (mut control, mut rig) = idle();
     render(&mut control, &mut rig);
     rig.push(0.0);
@@ -128,7 +128,55 @@ fn a_fault_is_latched_until_cleared_at_rest_with_the_hand_off() {
 }
 
 #[test]
-fn the_host_that_promised_and_fell_silent() {
+fn off_ends_every_mode_in_its_step_and_keeps_a_fault() {
+    for enter in [
+        None,
+        Some(Request::Render(true)),
+        Some(Request::Excite(Excitation::default())),
+        Some(Request::Identify(Procedure::default())),
+        Some(Request::Probe),
+    ] {
+        let (mut control, mut rig) = idle();
+        let mut outputs = control.step(enter.as_ref(), &rig.inputs());
+        assert_eq!(outputs.denied, None, "{enter:?}");
+        for _ in 0..40 {
+            rig.push(f64::from(outputs.force));
+            outputs = control.step(None, &rig.inputs());
+        }
+        assert_eq!(outputs.amplifier, enter.is_some(), "{enter:?}");
+        for _ in 0..2 {
+            rig.push(f64::from(outputs.force));
+            outputs = control.step(Some(&Request::Off), &rig.inputs());
+            assert_eq!(
+                (outputs.force, outputs.amplifier, outputs.mode, outputs.denied),
+                (0.0, false, ModeId::Idle, None),
+                "{enter:?}"
+            );
+        }
+        rig.push(0.0);
+        let outputs = control.step(Some(&Request::Raise(FaultKind::EmergencyStop)), &rig.inputs());
+        assert_eq!(outputs.fault, Some(FaultKind::EmergencyStop));
+        rig.push(0.0);
+        let outputs = control.step(Some(&Request::Off), &rig.inputs());
+        assert_eq!((outputs.denied, outputs.fault), (None, Some(FaultKind::EmergencyStop)));
+    }
+}
+
+#[test]
+fn render_off_is_refused_while_the_handle_is_driven() {
+    let (mut control, mut rig) = idle();
+    control.step(Some(&Request::Excite(Excitation::default())), &rig.inputs());
+    rig.push(0.0);
+    let outputs = control.step(Some(&Request::Render(false)), &rig.inputs());
+    assert_eq!((outputs.denied, outputs.mode), (Some(Denied::Driven), ModeId::Exciting));
+    rig.push(0.0);
+    assert_eq!(control.step(Some(&Request::Off), &rig.inputs()).mode, ModeId::Idle);
+    rig.push(0.0);
+    assert_eq!(control.step(Some(&Request::Render(false)), &rig.inputs()).denied, None);
+}
+
+#[test]
+fn a_silent_host_is_a_fault() {
     let (mut control, mut rig) = idle();
     render(&mut control, &mut rig);
     let mut silent_after = None;
@@ -148,7 +196,7 @@ fn the_host_that_promised_and_fell_silent() {
 }
 
 #[test]
-fn an_excitation_ramps_in_follows_and_returns_to_the_middle() {
+fn an_excitation_ramps_in_and_returns_to_centre() {
     for &wave in Wave::ALL {
         let (amplitude_m, frequency_hz) = if wave == Wave::Multisine { (0.008, 0.7) } else { (0.01, 1.0) };
         let excitation = Excitation { wave, amplitude_m, frequency_hz, seconds: 6.0 };
@@ -193,7 +241,7 @@ fn an_excitation_ramps_in_follows_and_returns_to_the_middle() {
 }
 
 #[test]
-fn stop_ends_an_excitation_gently_and_bad_ones_are_denied() {
+fn stop_ramps_out_and_bad_excitations_are_denied() {
     let (mut control, mut rig) = idle();
     let endless = Excitation { seconds: 0.0, ..Excitation::default() };
     let mut outputs = control.step(Some(&Request::Excite(endless)), &rig.inputs());
@@ -235,7 +283,7 @@ fn stop_ends_an_excitation_gently_and_bad_ones_are_denied() {
     }
 }
 
-/// A number from anywhere: ordinary, subnormal, huge, infinite, NaN.
+/// Any number: ordinary, subnormal, huge, infinite or NaN.
 fn any_number() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => -10.0_f32..10.0,
@@ -254,7 +302,7 @@ prop_compose! {
         let (_, make) = Settings::PRESETS[preset];
         let mut settings = Settings { law: LawKind::ALL[law], renderer: RendererKind::ALL[renderer], ..make() };
         for (at, value) in change {
-            // NaN is stopped by the parser; what it lets through must be stopped later
+            // the parser rejects NaN; validation must reject the rest
             let _ = settings.set(Settings::PARAMETERS[at].name, &value.to_string());
         }
         let kind = friction::effects::EffectKind::ALL[effect];
@@ -276,13 +324,14 @@ fn any_request() -> impl Strategy<Value = Request> {
             Request::Identify(Procedure { warm_up_s, record_s, ..Procedure::default() })
         }),
         Just(Request::Stop),
+        Just(Request::Off),
         Just(Request::ClearFault),
         (0..FaultKind::ALL.len()).prop_map(|k| Request::Raise(FaultKind::ALL[k])),
         any_number().prop_map(|seconds| Request::HostWatch { seconds }),
     ]
 }
 
-/// Inputs near the truth most of the time, so that states beyond the first fault are reached, too.
+/// Mostly plausible inputs, so that states beyond the first fault are reached.
 #[derive(Debug, Clone, Copy)]
 enum Sample {
     Next(i8),
@@ -300,8 +349,8 @@ fn any_sample() -> impl Strategy<Value = Sample> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
-    /// Whatever comes: finite outputs, force within the actuator, off in the step of a fault, latched; and twice
-    /// the same inputs give twice the same bits.
+    /// For any input: finite outputs, force within the limit, off in the step of a fault, latched; and the same inputs give the
+    /// same bits.
     #[test]
     fn nothing_makes_it_unsafe(
         settings in any_settings(),
@@ -318,7 +367,7 @@ proptest! {
         let mut device = Device::default();
         let (a, b, c, which) = wild_device;
         if which == 0 {
-            // a device description that is nonsense itself
+            // an invalid device description
             device = Device { metre_per_count: a, damping: b, tracking_stiffness: c, ..device };
         } else if which == 1 {
             device.load = Channel { offset_code: a, unit_per_code: b };

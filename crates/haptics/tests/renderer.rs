@@ -1,11 +1,11 @@
-//! The rendered contact on the exact device of eq. 4.15: holds, breaks away, slides, stops, swaps.
+//! The rendered contact on the exact device of [thesis, eq. 4.15]: holding, break-away, sliding, stopping, swapping.
 
 mod rig;
 
 use haptics::{Control, Device, FaultKind, LawKind, RendererKind, Settings, bounds};
 use rig::{COUNT, Rig, T, control, render};
 
-/// Every law with every renderer, symmetric, in the range of the rig.
+/// Every law with every renderer, symmetric, within the range of the rig.
 fn contacts() -> Vec<(String, Settings)> {
     let mut all = Vec::new();
     for &law in LawKind::ALL {
@@ -33,9 +33,9 @@ fn contacts() -> Vec<(String, Settings)> {
 }
 
 #[test]
-fn holds_below_break_away_without_creep_and_without_a_sound() {
+fn holds_below_break_away_without_creep() {
     for (name, settings) in contacts() {
-        // what bristles hold for good is the dynamic level
+        // bristles hold at most the dynamic level permanently
         let push = if matches!(settings.law, LawKind::Dahl | LawKind::LuGre) { 2.5 } else { 3.2 };
         let mut rig = Rig::of(&Device::default());
         let mut control = control(&settings);
@@ -43,7 +43,7 @@ fn holds_below_break_away_without_creep_and_without_a_sound() {
         let mut held = (0.0, 0.0, 0.0);
         let (mut low, mut high, mut still) = (f32::INFINITY, f32::NEG_INFINITY, true);
         for k in 0..10_000 {
-            // 1 s to reach the load: a hand, not a hammer
+            // 1 s to reach the load, like a hand
             rig.push(f64::from(outputs.force) + push * (f64::from(k) * 1e-3).min(1.0));
             outputs = control.step(None, &rig.inputs());
             assert_eq!(outputs.fault, None, "{name} at {k}");
@@ -66,7 +66,7 @@ fn holds_below_break_away_without_creep_and_without_a_sound() {
         );
         assert!(outputs.stuck, "{name}");
         if matches!(settings.law, LawKind::Dahl | LawKind::LuGre) {
-            // bristle laws drift under the toggling of an encoder edge: known, bounded, documented
+            // bristle laws drift when an encoder edge toggles: known, bounded, documented
             assert!(creep.abs() < 2e-3, "{name} drifts {creep} m");
             continue;
         }
@@ -95,7 +95,7 @@ fn breaks_away_at_the_static_level() {
                 let push = sign * 0.5e-3 * f64::from(k);
                 rig.push(f64::from(outputs.force) + push);
                 outputs = control.step(None, &rig.inputs());
-                // bristles yield a little before they break away
+                // bristles yield before they break away
                 if !outputs.stuck && outputs.block_velocity != 0.0 {
                     broke = push;
                     break;
@@ -108,7 +108,7 @@ fn breaks_away_at_the_static_level() {
 }
 
 #[test]
-fn slides_at_the_dynamic_level_plus_viscous_in_both_directions() {
+fn slides_at_dynamic_plus_viscous_friction() {
     for (name, mut settings) in contacts() {
         if settings.law != LawKind::LuGre {
             (settings.f_dynamic_n, settings.f_static_n) = (2.0, 2.4);
@@ -140,8 +140,8 @@ fn slides_at_the_dynamic_level_plus_viscous_in_both_directions() {
 }
 
 #[test]
-fn the_block_stops_and_stays_where_dv_is_above_its_limit_cycle() {
-    // handle pulled 1 mm aside and held: the block runs after it and must come to rest
+fn the_block_stops_above_its_limit_cycle() {
+    // the handle is pulled aside by 1 mm and held: the block follows and must come to rest
     let settings = Settings { f_dynamic_p: 3.0, f_dynamic_n: 3.0, f_static_n: 3.5, ..Settings::rubber() };
     let critical = bounds::limit_cycle_velocity(
         3.0,
@@ -176,8 +176,8 @@ fn the_block_stops_and_stays_where_dv_is_above_its_limit_cycle() {
 }
 
 #[test]
-fn the_stiffness_bound_is_the_bound_of_the_running_loop() {
-    // stuck handle, plucked by a short push; K_p from eq. 4.18 for the test device, b_vc = 0
+fn the_stiffness_bound_is_tight() {
+    // stuck handle after a short push; K_p from [thesis, eq. 4.18] for the test device, b_vc = 0
     let device = Device::default();
     let limit = bounds::kp_max(f64::from(device.mass), f64::from(device.damping), T);
     let settings = |k: f32| Settings {
@@ -250,7 +250,7 @@ fn a_swapped_configuration_does_not_jump() {
 }
 
 #[test]
-fn force_is_clamped_and_a_runaway_handle_is_let_go() {
+fn force_is_clamped_and_a_runaway_released() {
     let settings = Settings { damping_p: 35.0, damping_n: 35.0, mass: 0.5, ..Settings::rubber() };
     let mut rig = Rig::new(0.692, 6.92, -0.015);
     let mut control = control(&settings);

@@ -1,12 +1,12 @@
-//! Stick-slip whose frequency belongs to the interface and not to the loop (thesis 6.2): a block drawn at constant
-//! speed, through the encoder and its edge times, at 1, 2 and 5 kHz, against the block in continuous time.
+//! Stick-slip with the frequency of the interface instead of the loop [thesis, ch. 6.2]: a block pulled at constant speed,
+//! through the encoder and its edge times, at 1, 2 and 5 kHz, against the block in continuous time.
 
 use haptics::{Control, Device, Inputs, LawKind, RendererKind, Request, Settings};
 
 const HZ: f64 = 170e6;
 const COUNT: f64 = 2.57e-6;
 
-/// A block with static and dynamic friction on a spring and a damper whose other end moves at constant speed.
+/// A block with static and dynamic friction, pulled at constant speed through a spring and a damper.
 #[derive(Clone, Copy)]
 struct Drawn {
     mass: f64,
@@ -18,8 +18,8 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Frequency in continuous time, Hz: from event to event, a slip by Runge-Kutta of fourth order in steps of 5 µs,
-    /// its end found between two of them.
+    /// Frequency in continuous time, Hz, from event to event. A slip is integrated by a fourth-order Runge-Kutta method in steps
+    /// of 5 µs, its end found between two steps.
     fn continuous(&self) -> f64 {
         // e: stretch of the spring, m; w: velocity of the block, m/s
         let rate = |(e, w): (f64, f64)| {
@@ -58,7 +58,7 @@ impl Drawn {
         1.0 / (slip + (release - state.0) / self.speed)
     }
 
-    /// Frequency of a plain backward Euler step, its period cut into `parts`, Hz: what sub-stepping would give.
+    /// Frequency of backward Euler with the period divided into `parts`, Hz.
     fn backward_euler(&self, period: f64, parts: u32) -> Option<f64> {
         let h = period / f64::from(parts);
         let inertia = self.mass / h + self.stiffness * h + self.damping;
@@ -98,7 +98,7 @@ impl Drawn {
         }
     }
 
-    /// Frequency of the rendered block, Hz: the whole control step, the handle carried along the stroke.
+    /// Frequency of the rendered block, Hz, with the complete control step and the handle moved along the stroke.
     fn rendered(&self, renderer: RendererKind, rate: u32) -> Option<f64> {
         let device = Device { period: 1.0 / rate as f32, ..Device::default() };
         let mut control = Control::new(self.settings(renderer).build(&device).expect("within the bounds"));
@@ -132,8 +132,7 @@ impl Drawn {
     }
 }
 
-/// Frequency of the slips that begin in these periods, Hz: the first two are left out, the next ten counted. `None`
-/// where they end.
+/// Frequency of the slips that begin in these periods, Hz, over ten slips after the first two. `None` if there are fewer.
 fn frequency(period: f64, begins: impl Iterator<Item = bool>) -> Option<f64> {
     let began = begins.take((20.0 / period) as usize).enumerate().filter_map(|(k, slips)| slips.then_some(k));
     let at: Vec<usize> = began.skip(2).take(11).collect();
@@ -141,7 +140,7 @@ fn frequency(period: f64, begins: impl Iterator<Item = bool>) -> Option<f64> {
 }
 
 #[test]
-fn stick_slip_has_the_frequency_of_the_interface_at_every_rate_of_the_loop() {
+fn stick_slip_frequency_is_independent_of_the_rate() {
     let interfaces = [
         Drawn { mass: 0.4, stiffness: 3_000.0, damping: 1.0, fixed: 3.0, moving: 1.5, speed: 0.012 },
         Drawn { mass: 0.4, stiffness: 8_000.0, damping: 15.0, fixed: 3.5, moving: 2.0, speed: 0.01 },
@@ -168,7 +167,7 @@ fn stick_slip_has_the_frequency_of_the_interface_at_every_rate_of_the_loop() {
             );
             worst = worst.max(off(ours).abs());
             assert!(off(ours).abs() < 2.0, "{ours} Hz rendered, {exact} Hz continuous");
-            // every second period, or a little less often, whatever the interface is
+            // about every second period, for any interface
             let of_loop = table / f64::from(rate);
             assert!((0.4..0.51).contains(&of_loop), "table 4-1 at {table} Hz");
         }

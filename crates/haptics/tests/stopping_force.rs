@@ -1,5 +1,5 @@
-//! Friction as a stopping force on the virtual block: breaks away at its level to rounding, comes to rest and stays,
-//! with no dead band, and makes no energy. Positions are exact here; tests/renderer.rs has the encoder.
+//! The stopping-force renderer: breaks away at its level up to rounding, comes to rest and stays there without a dead band,
+//! and adds no energy. Positions are exact here; tests/renderer.rs has the encoder.
 
 use haptics::renderer::{Contact, Handle};
 use haptics::{Config, Device, LawKind, RendererKind, Settings, bounds};
@@ -15,14 +15,14 @@ fn built(settings: &Settings) -> Config {
 fn base() -> Settings {
     Settings {
         renderer: RendererKind::StoppingForce,
-        // no dead band to speak of: it must not matter
+        // a negligible dead band: it must not matter
         dv: 1e-6,
         ..Settings::rubber()
     }
 }
 
 #[test]
-fn breaks_away_at_the_static_level_to_rounding_in_both_directions_whatever_dv() {
+fn breaks_away_at_the_static_level_for_any_dv() {
     for dv in [1e-6, 0.02] {
         for (sign, level) in [(1.0_f32, 3.8513_f32), (-1.0, 2.9099)] {
             let config = built(&Settings { dv, ..base() });
@@ -52,7 +52,7 @@ fn breaks_away_at_the_static_level_to_rounding_in_both_directions_whatever_dv() 
     }
 }
 
-/// A block thrown by the handle, which then stands still: every stable coupling, and the law of either kind.
+/// A block thrown by the handle, which then stands still: any stable coupling and either kind of law.
 fn throws() -> impl Strategy<Value = (Settings, f32)> {
     let log = |low: f64, high: f64| (low.ln()..high.ln()).prop_map(f64::exp);
     let mass = log(2e-3, 5.0);
@@ -60,7 +60,7 @@ fn throws() -> impl Strategy<Value = (Settings, f32)> {
     (mass, 0.0..0.98_f64, 0.0..0.98_f64, levels, -0.4..0.4_f64, proptest::bool::ANY).prop_map(
         |(mass, stiff, damped, (level, more, viscous), speed, karnopp)| {
             let device = Device::default();
-            // shares of what the block takes, within what the handle takes
+            // shares of the block's bounds, within those of the handle
             let b_vc = (damped * bounds::damping_singular(mass, 0.0, T)).min(100.0);
             let k_vc = stiff * bounds::stiffness_singular(mass, b_vc + viscous, T);
             let handle = bounds::stiffness_max_delayed(
@@ -90,7 +90,7 @@ fn throws() -> impl Strategy<Value = (Settings, f32)> {
 }
 
 #[test]
-fn a_thrown_block_comes_to_rest_for_good_and_the_energy_only_falls() {
+fn a_thrown_block_rests_and_energy_only_falls() {
     let mut runner = TestRunner::new_with_rng(
         Cases { cases: 3_000, failure_persistence: None, ..Cases::default() },
         TestRng::deterministic_rng(RngAlgorithm::ChaCha),
@@ -114,7 +114,7 @@ fn a_thrown_block_comes_to_rest_for_good_and_the_energy_only_falls() {
             let rendered = contact.step(&config, &Handle::default());
             let (p, w) = (wide(rendered.block_position), wide(rendered.block_velocity));
             let now = 0.5 * wide(settings.mass) * w * w + 0.5 * wide(settings.k_vc) * p * p;
-            // within the actuator's limit the spring in the hand is this one
+            // within the limit of the actuator the spring in the hand is this one
             if rendered.force.abs() < 9.0 && last * rendered.block_velocity >= 0.0 {
                 gained.set(gained.get().max((now - energy) / start));
             }
@@ -123,7 +123,7 @@ fn a_thrown_block_comes_to_rest_for_good_and_the_energy_only_falls() {
                 None if rendered.stuck => rested = Some((k, rendered.block_position)),
                 Some((_, at)) if k < 20_000 || rendered.stuck => {
                     if !rendered.stuck {
-                        rested = None; // turned: static friction did not hold the spring yet
+                        rested = None; // reversed: static friction does not hold the spring yet
                     } else {
                         prop_assert!(rendered.block_position == at && rendered.block_velocity == 0.0);
                     }
@@ -147,13 +147,13 @@ fn a_thrown_block_comes_to_rest_for_good_and_the_energy_only_falls() {
     );
     done.expect("comes to rest");
     assert!(tried.get() > 1_000);
-    // what the spring changes while the block stops within one period, at 98 % of the stiffness it takes
+    // change of the spring while the block stops within one period, at 98 % of the stability bound
     assert!(gained.get() < 1e-2);
 }
 
 #[test]
-fn a_path_that_closes_takes_work_from_the_hand_and_gives_none() {
-    // to and fro with a smaller motion on top, so that the block turns in every way
+fn a_closed_path_only_takes_work() {
+    // back and forth with a smaller motion added, so that the block reverses in every way
     for (rate, mass, k_vc, b_vc) in [
         (9.0, 0.4_f32, 8_000.0_f32, 15.0_f32),
         (60.0, 0.05, 20_000.0, 5.0),
@@ -171,8 +171,8 @@ fn a_path_that_closes_takes_work_from_the_hand_and_gives_none() {
         let mut t = 0.0;
         while cycles < 40 {
             let force = -f64::from(contact.step(&config, &at(t)).force);
-            // held over the period, against the path the hand takes, and the device's own damper: a force held over a
-            // period gives KT/2 of negative damping, whatever renders it
+            // the force held over the period times the path of the hand, plus the device's own damper: any force held over
+            // a period acts like a negative damping of KT/2
             let path = x(t + T) - x(t);
             work += force * path + f64::from(device.damping) * path * path / T;
             t += T;

@@ -1,4 +1,4 @@
-//! Dahl's law with its stiffness free (eq. 3.2, 3.3, 3.10). The thesis had to set σ by hand.
+//! Dahl's law with its stiffness free [thesis, eq. 3.2, 3.3, 3.10], where it is set by hand.
 //!
 //! Levenberg-Marquardt on mass, viscous, ln D_p, ln D_n and ln σ, with derivatives taken through the law itself. The
 //! squared error is flat in σ wherever the bristle bends by less than a sample's travel, so a start there would
@@ -6,11 +6,13 @@
 //! all, its profile likelihood says; when it does not, the answer is a lower bound and a move, not a number.
 
 use crate::dahl_fit::{COUNT, Fitted, LIMIT_N, LIMIT_P, MASS, Point, SIGMA, Trace, VISCOUS};
-use crate::identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
+use crate::identification::{Estimate, Identification, NotIdentifiable, SCHEMA, unit_of};
 use crate::linear::{Dropped, Problem};
 use crate::moves::Moves;
 use crate::ready::Ready;
-use crate::{Error, Errors, Signals};
+use crate::{Errors, Signals};
+use friction::Dimension;
+use signals::Error;
 use std::collections::BTreeMap;
 
 /// Where a fit of Dahl's law starts. SI units.
@@ -242,7 +244,7 @@ impl Report<'_> {
             && self.bristle() > RESOLVED * self.ready.position_std;
         let free: &[usize] = if known { &ALL } else { &BUT_SIGMA };
         let solution = self.covariance(free);
-        let units = self.ready.units;
+        let geometry = self.ready.geometry;
         let moves = self.ready.moves();
         let p = self.best.point;
         let mut parameters = BTreeMap::new();
@@ -281,12 +283,12 @@ impl Report<'_> {
                 continue;
             }
             let std = variance.sqrt();
-            let unit = units.parameter(name);
+            let unit = unit_of(name, geometry);
             let estimate = if *k < LIMIT_P {
                 Estimate::gaussian(p[*k], std, unit)
             } else {
                 let value = p[*k].exp();
-                // Errors of the position lengthen a bristle by no more than themselves: a bias, told as deviation.
+                // Errors of the position lengthen a bristle by no more than themselves: a bias, which the standard error includes.
                 let blur = if *k == SIGMA { self.ready.position_std / self.bristle() } else { 0.0 };
                 let std = std.hypot(blur);
                 let mut ci95 = [value * (-1.96 * std).exp(), value * (1.96 * std).exp()];
@@ -324,7 +326,8 @@ impl Report<'_> {
             parameters,
             not_identifiable,
             recording_faults: self.ready.signals.recording_faults(),
-            force_unit: units.force().into(),
+            preparation: vec![self.ready.signals.preparation().clone()],
+            force_unit: Dimension::FORCE.unit(geometry).to_string(),
             residual_rms: fit.residual_rms,
             r_squared: fit.r_squared,
             estimator: format!(
@@ -369,25 +372,25 @@ impl Report<'_> {
     }
 
     fn no_sigma(&self, profile: &Profile, moves: &Moves) -> NotIdentifiable {
-        let units = self.ready.units;
+        let geometry = self.ready.geometry;
         let level = self.level();
         let because = match (profile.low, profile.high) {
             (Some(low), Some(_)) => format!(
                 "friction builds up over {:.1e} {}, and the position is only known to {:.1e}: σ is above {:.3e} {}, and how far \
                  above cannot be told",
                 self.bristle(),
-                units.length(),
+                Dimension::LENGTH.unit(geometry),
                 self.ready.position_std,
                 low.exp(),
-                units.parameter("sigma")
+                Dimension::STIFFNESS.unit(geometry)
             ),
             (Some(low), None) => format!(
                 "any σ above {:.3e} {} explains the recording as well (95 %): the bristle bends by less than {:.1e} {}, \
                  and near a reversal the motion crosses that within {} samples",
                 low.exp(),
-                units.parameter("sigma"),
+                Dimension::STIFFNESS.unit(geometry),
                 level / low.exp(),
-                units.length(),
+                Dimension::LENGTH.unit(geometry),
                 self.ready.samples_to_cross(level / low.exp())
             ),
             _ => "every σ explains the recording as well (95 %): there is no reversal that shows the bristle bend".into(),

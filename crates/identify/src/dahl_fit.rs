@@ -2,7 +2,7 @@
 
 use friction::{Dahl, DahlState, FrictionLaw, Motion, Scalar};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
-use nalgebra_lm::{DMatrix, DVector, Dyn, Owned};
+use nalgebra::{Const, DMatrix, DVector, Dyn, Owned};
 use num_dual::DualSVec64;
 
 /// Three directions of derivative: those in which the law is not linear.
@@ -84,8 +84,9 @@ impl Trace<'_> {
             };
             let force = law.step(&mut state, &motion);
             value.push(force.re);
-            for (i, slope) in slopes.iter_mut().enumerate() {
-                slope.push(force.eps.0.map_or(0.0, |e| e[i]));
+            let by_parameter = force.eps.unwrap_generic(Const::<3>, Const::<1>);
+            for (slope, derivative) in slopes.iter_mut().zip(&by_parameter) {
+                slope.push(*derivative);
             }
         }
         (value, slopes)
@@ -115,7 +116,7 @@ impl Trace<'_> {
         (residual, jacobian)
     }
 
-    /// Σe² corrected for the errors in the mass and viscous columns: unbiased, as eq. 3.9 is.
+    /// Σe² corrected for the errors in the mass and viscous columns: unbiased, as [thesis, eq. 3.9] is.
     pub fn cost(&self, p: &Point, residual: &DVector<f64>) -> f64 {
         let n = residual.len() as f64;
         residual.norm_squared()

@@ -1,7 +1,8 @@
-//! What an identification answers: the fixed JSON, with what was not asked of the recording said openly.
+//! Result of an identification: the fixed JSON, including the parameters that the recording does not determine.
 
-use crate::RecordingFault;
+use friction::parameters;
 use serde::{Deserialize, Serialize};
+use signals::{Geometry, Preparation, RecordingFault};
 use std::collections::BTreeMap;
 
 /// Name and version of the JSON.
@@ -67,6 +68,9 @@ pub struct Identification {
     pub not_identifiable: Vec<NotIdentifiable>,
     /// What the audit found: faults of the recording, not physics.
     pub recording_faults: Vec<RecordingFault>,
+    /// What was done to each recording before the fit.
+    #[serde(default)]
+    pub preparation: Vec<Preparation>,
     /// Unit of the force: N, or N·m on an axis.
     pub force_unit: String,
     /// Root mean square of the residual over the samples fitted, in `force_unit`.
@@ -101,41 +105,7 @@ impl Identification {
     }
 }
 
-/// Units of a slide, or of an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Units {
-    rotary: bool,
-}
-
-impl Units {
-    pub(crate) fn of(geometry: crate::Geometry) -> Self {
-        Self { rotary: geometry == crate::Geometry::Rotary }
-    }
-
-    pub(crate) fn pick(self, linear: &'static str, rotary: &'static str) -> &'static str {
-        if self.rotary { rotary } else { linear }
-    }
-
-    pub(crate) fn force(self) -> &'static str {
-        self.pick("N", "N·m")
-    }
-
-    pub(crate) fn velocity(self) -> &'static str {
-        self.pick("m/s", "rad/s")
-    }
-
-    pub(crate) fn length(self) -> &'static str {
-        self.pick("m", "rad")
-    }
-
-    /// Unit of a parameter of [`Identification::parameters`].
-    pub(crate) fn parameter(self, name: &str) -> &'static str {
-        match name {
-            "mass" => self.pick("kg", "kg·m²"),
-            "viscous" | "viscous_p" | "viscous_n" => self.pick("N·s/m", "N·m·s/rad"),
-            "sigma" => self.pick("N/m", "N·m/rad"),
-            "delta_v" => self.velocity(),
-            _ => self.force(),
-        }
-    }
+/// Unit of a parameter of a body, a law or a preset; empty for a name that is none of theirs.
+pub(crate) fn unit_of(name: &str, geometry: Geometry) -> String {
+    parameters::find(name).map_or_else(String::new, |p| p.unit(geometry).to_string())
 }

@@ -1,60 +1,98 @@
-//! Karnopp's law identified by linear regression (eq. 3.5 to 3.9), static friction and Δv included.
+//! Karnopp's law identified by linear regression [thesis, eq. 3.5 to 3.9], static friction and Δv included.
 //!
-//! Samples inside Δv are set aside, the rest obey F = m a + C_p sgn v₊ + b_p v₊ + C_n sgn v₋ + b_n v₋. Two things
+//! Samples inside Δv are excluded, the rest obey F = m a + C_p sgn v₊ + b_p v₊ + C_n sgn v₋ + b_n v₋. Two things
 //! differ from the printed page, both because the page is biased where the velocity is noisy:
 //! - which samples slide, and which way, is asked of a smoothed velocity, not of the sample's own noisy one;
-//! - the S of eq. 3.9 counts the error of a velocity only on the samples where its column is not zero by
+//! - the S of [thesis, eq. 3.9] counts the error of a velocity only on the samples where its column is not zero by
 //!   construction. Printed, S = diag(var a, 0, var v, 0, var v) corrects each direction for the errors of both.
 
+use crate::Signals;
+use crate::errors::Errors;
 use crate::identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
 use crate::linear::{Dropped, Problem, Solution};
 use crate::ready::Ready;
 use crate::static_level::{LowSpeed, StaticLevels};
-use crate::{Error, Signals};
+use friction::Dimension;
+use friction::effects::Parameter;
+use friction::parameters::{COULOMB_N, COULOMB_P, MASS, OFFSET, VISCOUS_N, VISCOUS_P};
+use signals::{Error, noise_variance};
 use std::collections::BTreeMap;
-
-/// What is done about measurement errors in velocity and acceleration.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Errors {
-    /// Nothing: eq. 3.8. Shrinks the mass by the share of noise in the acceleration.
-    LeastSquares,
-    /// Fuller's estimator, eq. 3.9, with variances from how far samples scatter about their neighbours.
-    #[default]
-    Fuller,
-    /// Fuller's estimator with standard deviations that are known, of the rows that are fitted.
-    Declared {
-        /// m/s.
-        velocity: f64,
-        /// m/s².
-        acceleration: f64,
-    },
-}
 
 /// How to fit Karnopp's law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct KarnoppOptions {
     /// What is done about errors in the regressors.
     pub errors: Errors,
-    /// Δv, m/s: samples slower than this are set aside. None: chosen from the data (0 with [`crate::Preprocess::Emps`],
+    /// Δv, m/s: slower samples are excluded. None: chosen from the data (0 with [`crate::Preprocess::Emps`],
     /// as published). 0: none are.
     pub delta_v: Option<f64>,
     /// One Coulomb level and one viscous friction for both directions, and a constant offset of the force.
     pub symmetric: bool,
 }
 
-const ASYMMETRIC: [&str; 5] = ["mass", "coulomb_p", "viscous_p", "coulomb_n", "viscous_n"];
-const SYMMETRIC: [&str; 4] = ["mass", "coulomb", "viscous", "offset"];
-/// Share of the top speed that is set aside before Δv is known.
+/// A column of the regression.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Column {
+    Mass,
+    Coulomb(Way),
+    Viscous(Way),
+    Offset,
+}
+
+/// Directions that a column stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Way {
+    Positive,
+    Negative,
+    Both,
+}
+
+impl Column {
+    /// Parameters that its coefficient is.
+    fn parameters(self) -> &'static [Parameter] {
+        match self {
+            Self::Mass => &[MASS],
+            Self::Coulomb(Way::Positive) => &[COULOMB_P],
+            Self::Coulomb(Way::Negative) => &[COULOMB_N],
+            Self::Coulomb(Way::Both) => &[COULOMB_P, COULOMB_N],
+            Self::Viscous(Way::Positive) => &[VISCOUS_P],
+            Self::Viscous(Way::Negative) => &[VISCOUS_N],
+            Self::Viscous(Way::Both) => &[VISCOUS_P, VISCOUS_N],
+            Self::Offset => &[OFFSET],
+        }
+    }
+
+    /// Name in the correlation and in messages.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Coulomb(Way::Both) => "coulomb",
+            Self::Viscous(Way::Both) => "viscous",
+            one => one.parameters()[0].name,
+        }
+    }
+}
+
+const ASYMMETRIC: [Column; 5] = [
+    Column::Mass,
+    Column::Coulomb(Way::Positive),
+    Column::Viscous(Way::Positive),
+    Column::Coulomb(Way::Negative),
+    Column::Viscous(Way::Negative),
+];
+const SYMMETRIC: [Column; 4] =
+    [Column::Mass, Column::Coulomb(Way::Both), Column::Viscous(Way::Both), Column::Offset];
+/// Share of the top speed below which samples are excluded before Δv is known.
 const FIRST_BAND: f64 = 0.25;
-/// Share of the top speed that is set aside where Δv stays unknown.
+/// Share of the top speed below which samples are excluded where Δv stays unknown.
 const BLIND_BAND: f64 = 0.1;
-/// Rows to which the band under Δv contributes more than this through the filter are set aside too.
-const LEAK: f64 = 0.02;
+/// Share of a row that must be from sliding samples.
+const PRESENT: f64 = 0.5;
 
 /// Fits Karnopp's law to a recording.
 ///
 /// ```
-/// use identify::{KarnoppOptions, Preprocess, Recording, identify_karnopp, prepare};
+/// use identify::{KarnoppOptions, Preprocess, identify_karnopp, prepare};
+/// use signals::Recording;
 /// let mut recording = Recording::default();
 /// for i in 0..4000 {
 ///     let t = f64::from(i) * 1e-3;
@@ -66,7 +104,7 @@ const LEAK: f64 = 0.02;
 /// let signals = prepare(&recording, &Preprocess::default())?;
 /// let found = identify_karnopp(&signals, &KarnoppOptions::default())?;
 /// assert!((found.parameters["mass"].value - 0.4).abs() < 0.004);
-/// # Ok::<(), identify::Error>(())
+/// # Ok::<(), signals::Error>(())
 /// ```
 ///
 /// # Errors
@@ -88,9 +126,9 @@ pub fn identify_karnopp(signals: &Signals, options: &KarnoppOptions) -> Result<I
     let levels = first.solve().map_or_else(StaticLevels::default, |s| first.static_levels(&ready, &s));
     let band = match (options.delta_v, levels.delta_v) {
         (Some(dv), _) => dv,
-        // As published: no sample is set aside where the preprocessing decimates.
+        // As published: no sample is excluded where the preprocessing decimates.
         (None, _) if 2 * ready.force_rows.len() < signals.len() => 0.0,
-        (None, Some((dv, _))) => dv + 2.0 * ready.velocity_std,
+        (None, Some((dv, std))) => dv + 2.0 * ready.velocity_std.hypot(std),
         // Where the step from static to sliding is not seen (a filter blurs it), the band is wide enough to hold one.
         (None, None) => resolution.max(BLIND_BAND * fastest),
     };
@@ -111,47 +149,45 @@ struct Rows {
 impl Rows {
     fn new(ready: &Ready<'_>, band: f64, symmetric: bool) -> Self {
         let v = &ready.velocity;
-        let where_ = |test: &dyn Fn(f64) -> bool, value: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let slides = beyond(ready, band);
+        // What does not slide is taken out of force and regressors alike, in front of the filter: behind it the law
+        // holds for what is left, and no row sees anything of the band.
+        let rows = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let column: Vec<f64> =
-                v.iter().enumerate().map(|(i, v)| if test(*v) { value(i) } else { 0.0 }).collect();
+                slides.iter().enumerate().map(|(i, s)| if *s { value(i) } else { 0.0 }).collect();
             ready.rows(&column)
         };
-        let (up, down) = (|v: f64| v > band, |v: f64| v < -band);
-        let measured = |i: usize| ready.signals.velocity[i];
-        let inside = where_(&|v| v.abs() <= band && band > 0.0, &|_| 1.0);
-        let ways = [where_(&up, &|_| 1.0), where_(&down, &|_| -1.0)];
-        let viscous = [where_(&up, &measured), where_(&down, &measured)];
-        let kept: Vec<usize> = (0..ready.force_rows.len()).filter(|i| inside[*i].abs() <= LEAK).collect();
-        let pick = |column: &[f64]| -> Vec<f64> { kept.iter().map(|i| column[*i]).collect() };
-        let share = |way: &[f64]| {
-            kept.iter().filter(|i| way[**i].abs() > 0.5).count() as f64 / kept.len().max(1) as f64
+        let signals = ready.signals;
+        let way = |up: bool, value: &dyn Fn(usize) -> f64| {
+            rows(&|i| if (v[i] > 0.0) == up { value(i) } else { 0.0 })
         };
-        let (var_a, var_v) = (ready.errors.acceleration, ready.errors.velocity);
-        let acceleration = pick(&ready.acceleration_rows);
+        let present = rows(&|_| 1.0);
+        let kept: Vec<usize> = (0..present.len()).filter(|i| present[*i] > PRESENT).collect();
+        let pick = |column: Vec<f64>| -> Vec<f64> { kept.iter().map(|i| column[*i]).collect() };
+        let ways = [pick(way(true, &|_| 1.0)), pick(way(false, &|_| -1.0))];
+        let viscous = [true, false].map(|up| pick(way(up, &|i| signals.velocity[i])));
+        let share = |way: &[f64]| way.iter().map(|w| w.abs()).sum::<f64>() / kept.len().max(1) as f64;
+        let shares = [share(&ways[0]), share(&ways[1])];
+        let all = (shares[0] + shares[1]).min(1.0);
+        let (var_a, var_v) = (ready.errors.acceleration * all, ready.errors.velocity);
+        let acceleration = pick(rows(&|i| signals.acceleration[i]));
+        let [up, down] = ways;
+        let [fast_up, fast_down] = viscous;
+        let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
         let (columns, errors) = if symmetric {
-            let sum = |pair: &[Vec<f64>; 2]| -> Vec<f64> {
-                kept.iter().map(|i| pair[0][*i] + pair[1][*i]).collect()
-            };
             (
-                vec![acceleration, sum(&ways), sum(&viscous), vec![1.0; kept.len()]],
-                vec![var_a, 0.0, var_v, 0.0],
+                vec![acceleration, sum(&up, &down), sum(&fast_up, &fast_down), pick(present.clone())],
+                vec![var_a, 0.0, var_v * all, 0.0],
             )
         } else {
-            let columns =
-                vec![acceleration, pick(&ways[0]), pick(&viscous[0]), pick(&ways[1]), pick(&viscous[1])];
-            (columns, vec![var_a, 0.0, var_v * share(&ways[0]), 0.0, var_v * share(&ways[1])])
+            (
+                vec![acceleration, up, fast_up, down, fast_down],
+                vec![var_a, 0.0, var_v * shares[0], 0.0, var_v * shares[1]],
+            )
         };
-        let (mut columns, mut errors) = (columns, errors);
-        // Behind a filter a row still sees a little of the band: nothing of it while the body sticks, a level while it
-        // slides through. The data say how much; it is not reported.
-        if band > 0.0 && !ready.signals.keeps_every_sample() {
-            let sign = |i: usize| if v[i] > 0.0 { 1.0 } else { -1.0 };
-            columns.push(pick(&where_(&|v| v.abs() <= band, &sign)));
-            errors.push(0.0);
-        }
         Self {
             columns,
-            target: pick(&ready.force_rows),
+            target: pick(rows(&|i| signals.force[i])),
             at: pick_numbers(&ready.at, &kept),
             errors,
             symmetric,
@@ -162,37 +198,42 @@ impl Rows {
         Problem { columns: &self.columns, target: &self.target, at: &self.at, errors: &self.errors }.solve()
     }
 
-    /// Static friction and Δv, given sliding friction.
+    /// Static friction and Δv, given inertia and viscous friction.
     fn static_levels(&self, ready: &Ready<'_>, solution: &Solution) -> StaticLevels {
         let c = &solution.coefficients;
         let lost = |k: usize| solution.dropped.iter().any(|(d, _)| *d == k);
         let mass = if lost(0) { 0.0 } else { c[0] };
-        let (coulomb, viscous, offset) = if self.symmetric {
-            ([c[1], c[1]], [c[2], c[2]], c[3])
-        } else {
-            ([c[1], c[3]], [c[2], c[4]], 0.0)
-        };
+        let (viscous, offset) = if self.symmetric { ([c[2], c[2]], c[3]) } else { ([c[2], c[4]], 0.0) };
         let signals = ready.signals;
-        let friction: Vec<f64> = signals
-            .force_full()
-            .iter()
-            .zip(&signals.acceleration)
-            .map(|(f, a)| f - mass * a - offset)
-            .collect();
-        let n = solution.residual.len().max(1) as f64;
-        let noise = (solution.residual.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+        let noise = noise_variance(&signals.force).sqrt();
+        let motion = signals.unfiltered(noise / mass.abs().max(f64::MIN_POSITIVE));
+        let friction: Vec<f64> =
+            signals.force.iter().zip(&motion.acceleration).map(|(f, a)| f - mass * a - offset).collect();
         LowSpeed {
-            velocity: &signals.known(&ready.velocity),
-            velocity_std: ready.velocity_std,
+            velocity: &motion.velocity,
+            velocity_std: &motion.velocity_std,
             friction: &friction,
-            coulomb,
             viscous,
-            noise,
-            blur: ready.blur * rms(&signals.acceleration),
-            independence: (solution.effective_samples / n).clamp(1e-3, 1.0),
+            spread: motion.half,
+            blur: motion.half as f64 * ready.dt * rms(&signals.acceleration),
         }
         .find()
     }
+}
+
+/// Which samples are beyond the band, and farther from it than the filter blurs the motion.
+fn beyond(ready: &Ready<'_>, band: f64) -> Vec<bool> {
+    let margin = ready.signals.blurred();
+    let mut out = vec![true; ready.velocity.len()];
+    if band > 0.0 {
+        for stretch in ready.signals.ranges() {
+            for i in stretch.clone().filter(|i| ready.velocity[*i].abs() <= band) {
+                let begin = i.saturating_sub(margin).max(stretch.start);
+                out[begin..(i + margin + 1).min(stretch.end)].fill(false);
+            }
+        }
+    }
+    out
 }
 
 fn rms(series: &[f64]) -> f64 {
@@ -213,57 +254,43 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn names(&self) -> &'static [&'static str] {
+    fn columns(&self) -> &'static [Column] {
         if self.rows.symmetric { &SYMMETRIC } else { &ASYMMETRIC }
     }
 
-    /// Names in the JSON of a column: both directions where one column stands for both.
-    fn reported(name: &'static str) -> &'static [&'static str] {
-        match name {
-            "coulomb" => &["coulomb_p", "coulomb_n"],
-            "viscous" => &["viscous_p", "viscous_n"],
-            "mass" => &["mass"],
-            "coulomb_p" => &["coulomb_p"],
-            "coulomb_n" => &["coulomb_n"],
-            "viscous_p" => &["viscous_p"],
-            "viscous_n" => &["viscous_n"],
-            _ => &["offset"],
-        }
-    }
-
     fn identification(&self, solution: Option<Solution>) -> Identification {
-        let units = self.ready.units;
+        let geometry = self.ready.geometry;
         let moves = self.ready.moves();
         let mut parameters = BTreeMap::new();
         let mut not_identifiable = Vec::new();
-        let names = self.names();
+        let columns = self.columns();
         let mut kept = Vec::new();
-        for (k, name) in names.iter().enumerate() {
+        for (k, column) in columns.iter().enumerate() {
             let why = match &solution {
                 None => Some(self.nothing()),
                 Some(s) => s
                     .dropped
                     .iter()
                     .find(|(d, _)| *d == k)
-                    .map(|(_, why)| self.because(name, why))
+                    .map(|(_, why)| self.because(*column, why))
                     .or_else(|| {
                         let variance = s.covariance[(k, k)];
                         (!(variance.is_finite() && variance >= 0.0 && s.coefficients[k].is_finite()))
                             .then(|| "the errors of the regressors are larger than the motion".to_string())
                     }),
             };
-            for reported in Self::reported(name) {
+            for parameter in column.parameters() {
                 match (&why, &solution) {
                     (None, Some(s)) => {
-                        let (value, unit) = (s.coefficients[k], units.parameter(reported));
+                        let (value, unit) = (s.coefficients[k], parameter.unit(geometry).to_string());
                         let mut estimate = Estimate::gaussian(value, s.covariance[(k, k)].sqrt(), unit);
                         estimate.std_white = Some(s.white[(k, k)].max(0.0).sqrt());
-                        parameters.insert((*reported).to_string(), estimate);
+                        parameters.insert(parameter.name.to_string(), estimate);
                     }
                     (why, _) => not_identifiable.push(NotIdentifiable {
-                        parameter: (*reported).into(),
+                        parameter: parameter.name.into(),
                         because: why.clone().unwrap_or_default(),
-                        experiment: if *name == "mass" { moves.faster() } else { moves.reversing() },
+                        experiment: if *column == Column::Mass { moves.faster() } else { moves.reversing() },
                     }),
                 }
             }
@@ -271,7 +298,7 @@ impl Report<'_> {
                 kept.push(k);
             }
         }
-        self.levels.report(units, self.fastest, &moves, &mut parameters, &mut not_identifiable);
+        self.levels.report(geometry, self.fastest, &moves, &mut parameters, &mut not_identifiable);
         let empty = Vec::new();
         let residual = solution.as_ref().map_or(&empty, |s| &s.residual);
         let fit =
@@ -295,19 +322,20 @@ impl Report<'_> {
             parameters,
             not_identifiable,
             recording_faults: self.ready.signals.recording_faults(),
-            force_unit: units.force().into(),
+            preparation: vec![self.ready.signals.preparation().clone()],
+            force_unit: Dimension::FORCE.unit(geometry).to_string(),
             residual_rms: fit.residual_rms,
             r_squared: fit.r_squared,
             estimator: self.estimator(),
             preprocess: self.ready.signals.description(),
-            correlation_of: kept.iter().map(|k| names[*k].to_string()).collect(),
+            correlation_of: kept.iter().map(|k| columns[*k].name().to_string()).collect(),
             correlation: kept.iter().map(|i| kept.iter().map(|j| entry(*i, *j)).collect()).collect(),
             effective_samples: solution.as_ref().map_or(0.0, |s| s.effective_samples),
         }
     }
 
     fn estimator(&self) -> String {
-        let unit = self.ready.units.velocity();
+        let unit = Dimension::VELOCITY.unit(self.ready.geometry);
         let method = match self.options.errors {
             Errors::LeastSquares => "least squares (eq. 3.8)".to_string(),
             _ if self.rows.errors.iter().all(|e| *e == 0.0) => {
@@ -320,11 +348,11 @@ impl Report<'_> {
             ),
         };
         let band = if self.band > 0.0 {
-            format!("samples slower than {:.3e} {unit} set aside", self.band)
+            format!("samples slower than {:.3e} {unit} excluded", self.band)
         } else {
-            "no sample set aside".to_string()
+            "no sample excluded".to_string()
         };
-        format!("{method}; {band}; deviations by a sandwich with Bartlett weights")
+        format!("{method}; {band}; standard errors by a sandwich with Bartlett weights")
     }
 
     fn nothing(&self) -> String {
@@ -332,24 +360,32 @@ impl Report<'_> {
             "{} samples slide faster than {:.3e} {}, and they do not determine the law",
             self.rows.target.len(),
             self.band,
-            self.ready.units.velocity()
+            Dimension::VELOCITY.unit(self.ready.geometry)
         )
     }
 
-    fn because(&self, name: &str, why: &Dropped) -> String {
+    fn because(&self, column: Column, why: &Dropped) -> String {
         match why {
-            Dropped::Absent if name == "mass" => "the body never accelerates".into(),
-            Dropped::Absent if name.ends_with("_p") => "the body never slides in positive direction".into(),
-            Dropped::Absent if name.ends_with("_n") => "the body never slides in negative direction".into(),
-            Dropped::Absent => "the body never slides".into(),
+            Dropped::Absent => match column {
+                Column::Mass => "the body never accelerates",
+                Column::Coulomb(Way::Positive) | Column::Viscous(Way::Positive) => {
+                    "the body never slides in positive direction"
+                }
+                Column::Coulomb(Way::Negative) | Column::Viscous(Way::Negative) => {
+                    "the body never slides in negative direction"
+                }
+                _ => "the body never slides",
+            }
+            .into(),
             Dropped::Collinear(others) => {
-                let others: Vec<&str> = others.iter().filter_map(|k| self.names().get(*k)).copied().collect();
+                let others: Vec<&str> =
+                    others.iter().filter_map(|k| self.columns().get(*k)).map(|c| c.name()).collect();
                 format!("on this motion it cannot be told from {}", others.join(" and "))
             }
             Dropped::Noise(share) => format!(
                 "{:.0} % of what is its own in the {} is measurement error",
                 100.0 * share,
-                if name == "mass" { "acceleration" } else { "velocity" }
+                if column == Column::Mass { "acceleration" } else { "velocity" }
             ),
         }
     }

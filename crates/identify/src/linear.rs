@@ -1,6 +1,6 @@
-//! Linear regression with errors in the regressors and residuals that follow each other.
+//! Linear regression with errors in the regressors and autocorrelated residuals.
 //!
-//! Least squares by QR of scaled columns (eq. 3.8), or Fuller's estimator (eq. 3.9) where the error variances of
+//! Least squares by QR of scaled columns [thesis, eq. 3.8], or Fuller's estimator [thesis, eq. 3.9] where the error variances of
 //! the regressors are known. Covariance: sandwich with Bartlett weights (Newey, West 1987), bandwidth from the
 //! data (Andrews 1991), on the score x_t e_t + S β, whose mean is zero where that of x_t e_t is not.
 
@@ -34,7 +34,7 @@ pub(crate) struct Problem<'a> {
     pub target: &'a [f64],
     /// Index in the recording of each row, rising: rows that are not neighbours in time are not neighbours here.
     pub at: &'a [usize],
-    /// S of eq. 3.9: error variance of each regressor over all rows. Zero for least squares.
+    /// S of [thesis, eq. 3.9]: error variance of each regressor over all rows. Zero for least squares.
     pub errors: &'a [f64],
 }
 
@@ -86,7 +86,7 @@ fn scaled(columns: &[Vec<f64>], kept: &[usize]) -> DMatrix<f64> {
 }
 
 impl Problem<'_> {
-    /// Solves it. None without enough finite rows for the columns that can be told apart.
+    /// Solves it. None without enough finite rows for the independent columns.
     pub fn solve(&self) -> Option<Solution> {
         let rows = self.target.len();
         let finite = self.target.iter().chain(self.columns.iter().flatten()).all(|x| x.is_finite());
@@ -196,10 +196,12 @@ impl Problem<'_> {
         };
         let residual = &y - &x * &beta;
         let own = error.component_mul(&beta);
-        let freedom = n / (n - kept.len() as f64);
         let scores: Vec<DVector<f64>> =
             (0..rows).map(|i| x.row(i).transpose() * residual[i] + &own).collect();
         let bandwidth = bandwidth(&scores, self.at);
+        // A Bartlett window of so many lags leaves this many degrees of freedom, of which the coefficients take theirs.
+        let degrees = if bandwidth > 0 { (1.5 * n / bandwidth as f64).min(n) } else { n };
+        let freedom = degrees / (degrees - kept.len() as f64).max(0.5 * degrees);
         let middle = long_run(&scores, self.at, bandwidth) * (freedom / n);
         let inverse = moment.try_inverse()?;
         let sandwich = &inverse * middle * &inverse;
@@ -227,6 +229,14 @@ impl Problem<'_> {
         out.dropped = dropped;
         Some(out)
     }
+}
+
+/// Independent values per value of a residual at the rows `at`, at most 1.
+pub(crate) fn independence(residual: &[f64], at: &[usize]) -> f64 {
+    let singles: Vec<DVector<f64>> = residual.iter().map(|e| DVector::from_element(1, *e)).collect();
+    let power = dot(residual, residual) / residual.len().max(1) as f64;
+    let long = long_run(&singles, at, bandwidth(&singles, at))[(0, 0)];
+    if long > power && power > 0.0 { power / long } else { 1.0 }
 }
 
 /// Andrews' bandwidth for Bartlett weights, from first-order autoregressions of the scores.
@@ -265,7 +275,7 @@ fn neighbours(at: &[usize], lag: usize) -> impl Iterator<Item = (usize, usize)> 
     })
 }
 
-/// Variance of the mean of the scores times their number, rows that are set aside counting as zero.
+/// Variance of the mean of the scores times their number, excluded rows counting as zero.
 fn long_run(scores: &[DVector<f64>], at: &[usize], bandwidth: usize) -> DMatrix<f64> {
     let n = scores.len() as f64;
     let width = scores.first().map_or(0, DVector::len);
@@ -325,7 +335,7 @@ mod tests {
         let x: Vec<f64> = (0..n).map(|i| (i as f64 * 0.01).sin()).collect();
         let at: Vec<usize> = (0..n).collect();
         let columns = vec![x.clone()];
-        let (mut found, mut told, mut textbook) = (Vec::new(), 0.0, 0.0);
+        let (mut found, mut reported, mut textbook) = (Vec::new(), 0.0, 0.0);
         for seed in 0..200 {
             let mut e = 0.0;
             let target: Vec<f64> = normal(seed, n)
@@ -338,13 +348,13 @@ mod tests {
                 .collect();
             let s = Problem { columns: &columns, target: &target, at: &at, errors: &[0.0] }.solve().unwrap();
             found.push(s.coefficients[0]);
-            told += s.covariance[(0, 0)].sqrt() / 200.0;
+            reported += s.covariance[(0, 0)].sqrt() / 200.0;
             textbook += s.white[(0, 0)].sqrt() / 200.0;
         }
         let mean = found.iter().sum::<f64>() / 200.0;
         let spread = (found.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / 199.0).sqrt();
-        println!("spread {spread:.4}, told {told:.4}, textbook {textbook:.4}");
-        assert!((told / spread - 1.0).abs() < 0.2 && textbook < 0.4 * spread);
+        println!("spread {spread:.4}, reported {reported:.4}, textbook {textbook:.4}");
+        assert!((reported / spread - 1.0).abs() < 0.2 && textbook < 0.4 * spread);
     }
 
     #[test]

@@ -1,11 +1,13 @@
-//! A complete model of a sliding body: mass, law, effects, and what the sensors did to the record of it.
+//! A complete model of a sliding body: mass, law, effects, and the errors of its sensors.
 //!
-//! The same thing predicts a recording, is simulated, and is a preset of the device (`model.toml`, see
+//! One model predicts a recording, runs in a simulation and is a preset of the device (`model.toml`, see
 //! [`Model::to_toml`]).
 
-use crate::{Geometry, Identification, SensorEffect};
-use friction::effects::{Effect, EffectKind};
-use friction::{Coulomb, Dahl, FrictionLaw, Invalid, Karnopp, Law, in_range};
+use crate::Identification;
+use friction::effects::{About, Effect, EffectKind, Scale, SeriesEffect};
+use friction::parameters::OFFSET;
+use friction::{Coulomb, Dahl, Dimension, FrictionLaw, Invalid, Karnopp, Law, in_range};
+use signals::Geometry;
 use std::collections::BTreeMap;
 
 /// What the measurement adds to the physics. A device that renders the model leaves it out.
@@ -16,10 +18,10 @@ pub struct Nuisances {
     /// Time by which the force channel is behind the position, s; negative when it is ahead.
     pub delay_s: f64,
     /// Further effects of sensors and drive.
-    pub sensors: Vec<SensorEffect>,
+    pub sensors: Vec<SeriesEffect>,
 }
 
-/// What a device needs beside the friction to render it; the virtual coupling of eq. 4.22.
+/// What a device needs beside the friction to render it; the virtual coupling of [thesis, eq. 4.22].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Coupling {
     /// `virtual_coupling`, `stopping_force` or `impedance`; the device keeps its own when absent.
@@ -88,9 +90,9 @@ impl Model {
         in_range("mass", self.mass, 0.0, 1e6)?;
         self.law.validate()?;
         self.effects.iter().try_for_each(Effect::validate)?;
-        in_range("offset", self.nuisances.offset, -1e6, 1e6)?;
+        in_range(OFFSET.name, self.nuisances.offset, -1e6, 1e6)?;
         in_range("delay_s", self.nuisances.delay_s, -1.0, 1.0)?;
-        self.nuisances.sensors.iter().try_for_each(SensorEffect::validate)?;
+        self.nuisances.sensors.iter().try_for_each(SeriesEffect::validate)?;
         if let Some(cutoff) = self.cutoff_hz {
             in_range("cutoff_hz", cutoff, 1e-3, 1e6)?;
         }
@@ -112,6 +114,22 @@ impl Model {
             Some(held) => *held = effect,
             None => self.effects.push(effect),
         }
+    }
+
+    /// Takes out what has a phase along the stroke, which holds only while the zero of the position does; returns the ids.
+    pub fn without_phases(&mut self) -> Vec<&'static str> {
+        let repeats = |about: &About| about.shape.iter().any(|p| p.scale == Scale::Wavelength);
+        let mut out = Vec::new();
+        let mut stays = |about: &'static About| {
+            let stays = !repeats(about);
+            if !stays {
+                out.push(about.id);
+            }
+            stays
+        };
+        self.effects.retain(|e| stays(e.kind.about()));
+        self.nuisances.sensors.retain(|e| stays(e.kind.about()));
+        out
     }
 }
 
@@ -146,12 +164,13 @@ impl From<&Identification> for Model {
                 delta_v: of("delta_v").unwrap_or(0.0).max(0.0),
             })
         };
-        let rotary = found.force_unit != "N";
+        let axis = Dimension::FORCE.unit(Geometry::Rotary).to_string();
+        let rotary = found.force_unit == axis;
         Self {
             geometry: if rotary { Geometry::Rotary } else { Geometry::Linear },
             mass: of("mass").unwrap_or(0.0).max(0.0),
             law,
-            nuisances: Nuisances { offset: of("offset").unwrap_or(0.0), ..Nuisances::default() },
+            nuisances: Nuisances { offset: of(OFFSET.name).unwrap_or(0.0), ..Nuisances::default() },
             std: found
                 .parameters
                 .iter()
@@ -164,7 +183,8 @@ impl From<&Identification> for Model {
 }
 
 /// Name in a preset of a parameter of an identification.
-fn preset_name<'a>(law: &str, name: &'a str) -> &'a str {
+#[must_use]
+pub fn preset_name<'a>(law: &str, name: &'a str) -> &'a str {
     match (law, name) {
         (_, "coulomb_p" | "limit_p") => "f_dynamic_p",
         (_, "coulomb_n" | "limit_n") => "f_dynamic_n",

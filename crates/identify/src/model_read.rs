@@ -1,10 +1,11 @@
-//! `model.toml` in: every complaint points at a line and a column.
+//! Reader of `model.toml`. Each error names a line and a column.
 
 use crate::model::Model;
-use crate::model_toml::{Complaint, MODEL_SCHEMA, name_in_file, sensor_words, silent};
-use crate::{Geometry, SensorEffect};
-use friction::effects::EffectKind;
+use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file, sensor_words};
+use friction::effects::{Effect, EffectKind, SeriesEffect, SeriesKind};
+use friction::parameters::OFFSET;
 use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
+use signals::Geometry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
@@ -23,6 +24,13 @@ const NUMBERS: &[&str] = &[
     "sigma",
     "sigma_1",
     "stribeck_velocity",
+];
+
+/// Names that stand for both directions.
+const BOTH_DIRECTIONS: &[(&str, &[&str])] = &[
+    ("f_static", &["f_static_p", "f_static_n"]),
+    ("f_dynamic", &["f_dynamic_p", "f_dynamic_n"]),
+    ("damping", &["damping_p", "damping_n"]),
 ];
 
 /// A key with its value and where it stands.
@@ -175,9 +183,7 @@ impl Reader<'_> {
                     Some(self.word(&entry, &["virtual_coupling", "stopping_force", "impedance"])?);
                 return Ok(());
             }
-            "f_static" => &["f_static_p", "f_static_n"],
-            "f_dynamic" => &["f_dynamic_p", "f_dynamic_n"],
-            "damping" => &["damping_p", "damping_n"],
+            name if let Some((_, both)) = BOTH_DIRECTIONS.iter().find(|(alias, _)| *alias == name) => both,
             name => match NUMBERS.iter().position(|n| *n == name) {
                 Some(i) => &NUMBERS[i..=i],
                 None => return self.effect(&entry),
@@ -204,7 +210,7 @@ impl Reader<'_> {
             return Err(self.error(entry.at, format!("no effect `{id}`: accepted are {}", ids.join(", "))));
         };
         let value = self.number(entry)?;
-        let mut effect = self.model.effect(kind).copied().unwrap_or_else(|| silent(kind));
+        let mut effect = self.model.effect(kind).copied().unwrap_or_else(|| Effect::silent(kind));
         let Some(place) = effect.get_mut(parameter) else {
             let names: Vec<&str> = kind.gains().iter().chain(kind.shape()).map(|p| p.name).collect();
             return Err(
@@ -227,12 +233,13 @@ impl Reader<'_> {
                 self.model.geometry = if rotary { Geometry::Rotary } else { Geometry::Linear };
             }
             "exponent" => self.exponent = self.number(&entry)?,
-            "offset" => self.model.nuisances.offset = self.number(&entry)?,
             "delay_s" => self.model.nuisances.delay_s = self.number(&entry)?,
             "cutoff_hz" => self.model.cutoff_hz = Some(self.number(&entry)?),
+            key if key == OFFSET.name => self.model.nuisances.offset = self.number(&entry)?,
             key => {
                 let known = key.split_once('.').is_some_and(|(id, name)| {
-                    SensorEffect::ALL.iter().any(|(known, names)| *known == id && names.contains(&name))
+                    SeriesKind::from_id(id)
+                        .is_some_and(|kind| kind.about().parameters().any(|p| p.name == name))
                 });
                 if !known {
                     let why = format!(
@@ -295,24 +302,33 @@ impl Reader<'_> {
         };
         self.model.coupling.k_vc = self.numbers.get("k_vc").map(|(x, _)| *x);
         self.model.coupling.b_vc = self.numbers.get("b_vc").map(|(x, _)| *x);
-        for (id, names) in SensorEffect::ALL {
+        for kind in SeriesKind::ALL {
+            let id = kind.about().id;
+            let names: Vec<&str> = kind.about().parameters().map(|p| p.name).collect();
             let at = names.iter().find_map(|n| self.sensors.get(&format!("{id}.{n}"))).map(|(_, at)| *at);
             let Some(at) = at else { continue };
             let value = |name: &str| self.sensors.get(&format!("{id}.{name}")).map(|(x, _)| *x);
-            match SensorEffect::from_parts(id, value) {
+            match SeriesEffect::from_parameters(*kind, value) {
                 Some(sensor) => self.model.nuisances.sensors.push(sensor),
                 None => return Err(self.error(at, format!("{id} needs all of {}", names.join(", ")))),
             }
         }
+        // an effect's parameter is named with its effect: another effect may have one of the same name
+        let effects = self.model.effects.iter().map(|e| (e.kind.id(), e.validate()));
+        let sensors = self.model.nuisances.sensors.iter().map(|s| (s.kind.about().id, s.validate()));
+        for (id, result) in effects.chain(sensors) {
+            if let Err(refused) = result {
+                let key = format!("{id}.{}", refused.parameter);
+                let at = self.places.get(&key).copied().unwrap_or(law_at);
+                return Err(self.error(at, format!("{id}.{refused}")));
+            }
+        }
         self.model.validate().map_err(|refused| {
             let refused = name_in_file(&self.model.law, refused);
-            let alias = refused.parameter.trim_end_matches("_p").trim_end_matches("_n");
-            let own = self.places.get(refused.parameter).or_else(|| self.places.get(alias));
-            let dotted = || {
-                let ends = format!(".{}", refused.parameter);
-                self.places.iter().find(|(key, _)| key.ends_with(&ends)).map(|(_, at)| at)
-            };
-            self.error(*own.or_else(dotted).unwrap_or(&law_at), refused.to_string())
+            let alias = BOTH_DIRECTIONS.iter().find(|(_, both)| both.contains(&refused.parameter));
+            let place = |name: &str| self.places.get(name);
+            let own = place(refused.parameter).or_else(|| place(alias?.0));
+            self.error(*own.unwrap_or(&law_at), refused.to_string())
         })?;
         Ok(self.model)
     }

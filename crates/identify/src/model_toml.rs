@@ -1,4 +1,4 @@
-//! `model.toml`: a model as people read it, and as the device takes it.
+//! Writer of `model.toml`, which people read and the device accepts.
 //!
 //! ```toml
 //! [preset]                 # each line is `set KEY VALUE` on the device's console
@@ -24,38 +24,16 @@
 //!
 //! A file without sections is read as `[preset]`. `f_static`, `f_dynamic` and `damping` stand for both directions.
 
-use crate::error::Place;
+use crate::identification::unit_of;
 use crate::model::{Coupling, Model};
-use crate::{Error, Geometry, SensorEffect, model_read};
-use friction::effects::Effect;
-use friction::{Invalid, Law};
+use crate::model_read;
+use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file};
+use friction::effects::EffectKind;
+use friction::parameters::OFFSET;
+use friction::{Dimension, Law};
+use signals::{Error, Geometry};
 use std::fmt::Write;
 use std::path::Path;
-
-/// Name and version of the file.
-pub const MODEL_SCHEMA: &str = "tribos.model/1";
-
-/// What is wrong with a text, and where: line and column from 1.
-#[derive(Debug)]
-pub(crate) struct Complaint {
-    pub at: Option<(usize, usize)>,
-    pub why: String,
-}
-
-impl Complaint {
-    fn of(self, file: &str) -> Error {
-        let place = self.at.map_or_else(Place::default, |(line, column)| Place {
-            line: Some(line as u64),
-            column: Some((column, String::new())),
-        });
-        Error::Input {
-            file: file.to_string(),
-            place,
-            value: String::new(),
-            accepted: format!(": {}", self.why),
-        }
-    }
-}
 
 impl Model {
     /// Reads `model.toml`.
@@ -128,7 +106,10 @@ impl Model {
         let mut text = String::from("[preset] # each line is `set KEY VALUE` on the device's console\n");
         for (name, value) in self.preset_lines() {
             let value = if matches!(name.as_str(), "law" | "renderer") { quoted(&value) } else { value };
-            let unit = unit_of(&name, self.geometry);
+            let unit = match name.split_once('.') {
+                Some((id, parameter)) => effect_unit(id, parameter, self.geometry),
+                None => unit_of(&name, self.geometry),
+            };
             let _ = if unit.is_empty() {
                 writeln!(text, "{name} = {value}")
             } else {
@@ -147,17 +128,19 @@ impl Model {
             let _ =
                 writeln!(text, "exponent = {} # shape of Dahl's law; devices use 1", decimal(law.exponent));
         }
-        let force = if axis { "N·m" } else { "N" };
+        let force = Dimension::FORCE.unit(self.geometry);
         let n = &self.nuisances;
-        let _ = writeln!(text, "offset = {} # {force}, added by the force channel", decimal(n.offset));
+        let _ =
+            writeln!(text, "{} = {} # {force}, added by the force channel", OFFSET.name, decimal(n.offset));
         let _ = writeln!(text, "delay_s = {} # s, force behind position", decimal(n.delay_s));
         if let Some(cutoff) = self.cutoff_hz {
             let _ = writeln!(text, "cutoff_hz = {} # Hz, zero-phase filter of a prediction", decimal(cutoff));
         }
         for sensor in &n.sensors {
-            let (id, parameters) = sensor.parts();
-            for (name, value) in parameters {
-                let _ = writeln!(text, "{id}.{name} = {}", decimal(value));
+            let id = sensor.kind.about().id;
+            for (parameter, value) in sensor.parameters() {
+                let unit = parameter.unit(self.geometry);
+                let _ = writeln!(text, "{id}.{} = {} # {unit}", parameter.name, decimal(value));
             }
         }
         if !self.std.is_empty() {
@@ -217,55 +200,9 @@ pub(crate) fn law_parameters(law: &Law<f64>) -> Vec<(&'static str, f64)> {
     }
 }
 
-/// A refusal in the words of the file instead of the law's.
-pub(crate) fn name_in_file(law: &Law<f64>, refused: Invalid) -> Invalid {
-    let parameter = match (law.id(), refused.parameter) {
-        (_, "c_p" | "limit_p" | "level_p") => "f_dynamic_p",
-        (_, "c_n" | "limit_n" | "level_n") => "f_dynamic_n",
-        (_, "d_p" | "static_p") => "f_static_p",
-        (_, "d_n" | "static_n") => "f_static_n",
-        (_, "b_p" | "viscous_p") => "damping_p",
-        (_, "b_n" | "viscous_n") => "damping_n",
-        (_, "delta_v") => "dv",
-        ("dahl", "viscous") | ("lugre", "sigma_2") => "damping",
-        ("lugre", "sigma_0") => "sigma",
-        ("lugre", "coulomb") => "f_dynamic",
-        ("lugre", "stiction") => "f_static",
-        (_, other) => other,
-    };
-    Invalid { parameter, ..refused }
-}
-
-/// Unit of a line of `[preset]`.
-fn unit_of(name: &str, geometry: Geometry) -> &'static str {
-    let units = crate::identification::Units::of(geometry);
-    match name {
-        "mass" => units.parameter("mass"),
-        "f_static" | "f_static_p" | "f_static_n" | "f_dynamic" | "f_dynamic_p" | "f_dynamic_n" => {
-            units.force()
-        }
-        "damping" | "damping_p" | "damping_n" | "sigma_1" | "b_vc" => units.parameter("viscous"),
-        "dv" | "stribeck_velocity" => units.velocity(),
-        "sigma" | "k_vc" => units.parameter("sigma"),
-        _ => "",
-    }
-}
-
-/// Effects a model may carry in `[model]`, for messages.
-pub(crate) fn sensor_words() -> String {
-    let ids: Vec<String> = SensorEffect::ALL
-        .iter()
-        .flat_map(|(id, names)| names.iter().map(move |name| format!("{id}.{name}")))
-        .collect();
-    ids.join(", ")
-}
-
-/// The middle of an effect's shape, and no force: what a file that names only some parameters leaves.
-pub(crate) fn silent(kind: friction::effects::EffectKind) -> Effect<f64> {
-    let mut effect = Effect { kind, gains: Default::default(), shape: Default::default() };
-    for (value, parameter) in effect.shape.iter_mut().zip(kind.shape()) {
-        let (min, max) = (parameter.min, parameter.max);
-        *value = if min > 0.0 { (min * max).sqrt() } else { 0.5 * (min + max) };
-    }
-    effect
+/// Unit of a parameter of an effect.
+fn effect_unit(id: &str, parameter: &str, geometry: Geometry) -> String {
+    let kind = EffectKind::from_id(id);
+    let of = kind.and_then(|kind| kind.about().parameters().find(|p| p.name == parameter));
+    of.map_or_else(String::new, |p| p.unit(geometry).to_string())
 }

@@ -1,11 +1,11 @@
-//! The force a model predicts from a motion alone: the measured force is not looked at, so a prediction of a recording
-//! the model has not seen is a fair judge of it.
+//! The force a model predicts from the motion alone. The measured force is not used, so the prediction of a recording that was not
+//! fitted tests the model.
 
 use crate::model::Model;
-use crate::sensor_effect::delayed;
-use crate::{Error, Preprocess, Recording, Signals, prepare};
-use friction::effects::EffectState;
-use friction::{DahlState, FrictionLaw, Karnopp, Law, LawState, Motion};
+use crate::{Preprocess, Signals, prepare};
+use friction::effects::{EffectState, Record, delayed};
+use friction::{DahlState, FrictionLaw, Karnopp, Law, LawState, Motion, Scalar};
+use signals::{Error, Recording};
 use std::borrow::Cow;
 
 /// Standard deviations of a velocity beyond which its direction is known, whatever the filter made of its noise.
@@ -143,12 +143,22 @@ impl Model {
     /// What the sensors make of the force.
     fn sensed(&self, mut force: Vec<f64>, motion: &Kinematics<'_>) -> Vec<f64> {
         let model = force.clone();
+        let direction: Vec<f64> = motion.velocity.iter().map(|v| v.sgn()).collect();
+        let record = Record {
+            dt: motion.dt,
+            position: motion.position,
+            acceleration: motion.acceleration,
+            direction: &direction,
+            force: &model,
+        };
         for sensor in &self.nuisances.sensors {
-            for (f, x) in force.iter_mut().zip(sensor.added(&model, motion)) {
+            for (f, x) in force.iter_mut().zip(sensor.added(&record)) {
                 *f += x;
             }
         }
-        let mut force = delayed(&force, self.nuisances.delay_s, motion.dt);
+        if self.nuisances.delay_s != 0.0 {
+            force = delayed(&force, self.nuisances.delay_s, motion.dt);
+        }
         for f in &mut force {
             *f += self.nuisances.offset;
         }

@@ -1,18 +1,9 @@
-//! Signals made ready to be fitted: errors of the regressors, the velocity behind them, and the rows.
+//! Signals with everything a fit needs: error variances of the regressors, a smoothed velocity, and the rows.
 
-use crate::identification::Units;
+use crate::Signals;
+use crate::errors::{Errors, Variances};
 use crate::moves::Moves;
-use crate::smoother::{Measured, Smoothed, smooth};
-use crate::{Error, Errors, Signals};
-
-/// Error variances of the regressors: of every sample, or of the rows behind the filter.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Variances {
-    /// (m/s)².
-    pub velocity: f64,
-    /// (m/s²)².
-    pub acceleration: f64,
-}
+use signals::{Error, Geometry, Measured, Smoothed, smooth};
 
 /// How well a residual fits.
 pub(crate) struct Goodness {
@@ -24,7 +15,7 @@ pub(crate) struct Goodness {
 /// Signals with what every fit needs of them.
 pub(crate) struct Ready<'a> {
     pub signals: &'a Signals,
-    pub units: Units,
+    pub geometry: Geometry,
     pub dt: f64,
     /// Velocity behind the noise, every sample, and its standard deviation.
     pub velocity: Vec<f64>,
@@ -37,8 +28,6 @@ pub(crate) struct Ready<'a> {
     pub acceleration_rows: Vec<f64>,
     pub velocity_rows: Vec<f64>,
     pub force_rows: Vec<f64>,
-    /// Time over which the filter of the rows spreads a step, s; 0 without one.
-    pub blur: f64,
     /// What is known of the errors in the regressors of the rows. Zero for least squares.
     pub errors: Variances,
     /// Number of each row.
@@ -50,7 +39,7 @@ pub(crate) struct Ready<'a> {
 
 /// Smooths each stretch by itself: over a gap position and velocity jump. Outside of them the velocity is not known, and 0.
 fn smoothed(signals: &Signals, errors: Variances) -> Smoothed {
-    let of_position = crate::noise_variance(&signals.position);
+    let of_position = signals::noise_variance(&signals.position);
     let mut whole = Smoothed {
         position: signals.position.clone(),
         velocity: vec![0.0; signals.len()],
@@ -111,16 +100,6 @@ impl<'a> Ready<'a> {
         if !finite {
             return refuse("a signal holds values that are not numbers".into());
         }
-        let mut blur = 0.0;
-        if !signals.keeps_every_sample() {
-            let mut impulse = vec![0.0; signals.len()];
-            if let Some(middle) = impulse.get_mut(signals.len() / 2) {
-                *middle = 1.0;
-            }
-            // Width of a pulse of area one from its height; a decimation keeps the height, or misses a little of it.
-            let height = signals.condition(&impulse).iter().fold(0.0f64, |m, h| m.max(*h));
-            blur = if height > 0.0 { dt / height } else { f64::INFINITY };
-        }
         let mut displacement: Vec<f64> = vec![0.0];
         displacement.extend(smoothed.position.windows(2).map(|w| w[1] - w[0]));
         let (low, high) = signals
@@ -130,17 +109,17 @@ impl<'a> Ready<'a> {
         let step_rms = (displacement.iter().map(|d| d * d).sum::<f64>() / displacement.len() as f64).sqrt();
         Ok(Self {
             signals,
-            units: Units::of(signals.geometry),
+            geometry: signals.geometry,
             dt,
             acceleration_rows: signals.condition(&signals.acceleration),
             velocity_rows: signals.condition(&signals.velocity),
             at: (0..force_rows.len()).collect(),
             force_rows,
             velocity: smoothed.velocity,
-            velocity_std: smoothed.velocity_std,
+            // of the longest stretch, halfway
+            velocity_std: smoothed.velocity_std.get(smoothed.velocity_std.len() / 2).copied().unwrap_or(0.0),
             position_std: smoothed.position_std,
             displacement,
-            blur,
             errors,
             travel: high - low,
             step_rms,

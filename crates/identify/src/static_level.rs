@@ -1,31 +1,35 @@
 //! Static friction D and the speed Δv below which it holds, from how a body leaves rest.
 //!
-//! By eq. 3.1 a body that moves inside the band is held back by D, and by C outside: leaving rest, friction is D until
-//! the speed passes Δv, then falls to C. So Δv is the speed of that step (the one that leaves the least squared
-//! error), and D the mean friction below it, on the samples that speed up from rest.
+//! By [thesis, eq. 3.1] friction is D inside the band and C + b·v outside. When a body leaves rest, friction is D until the speed
+//! passes Δv, then steps down. The speed of that step has a likelihood: friction scatters about both levels, and all
+//! velocities of one event share an error. With a flat prior, Δv is the mean of the posterior over all events and its standard
+//! error is the posterior's spread, which includes the gap between two samples. D is the mean friction below the step, averaged
+//! over the same posterior.
+//!
+//! A motion that repeats itself passes Δv between the same two speeds in every event. The likelihood shows that where the
+//! velocity is exact. Where each event has its own velocity error, the likelihood would average over a gap that is
+//! the same in every event; there the standard error is at least that of the gap between two samples.
 
-use crate::identification::{Estimate, NotIdentifiable, Units};
+use crate::identification::{Estimate, NotIdentifiable};
+use crate::linear::independence;
 use crate::moves::Moves;
+use friction::{Dimension, Geometry};
 use std::collections::BTreeMap;
 
-/// What is left of a recording once inertia and sliding friction are known.
+/// What is left of a recording once inertia and viscous friction are known, sample by sample.
 pub(crate) struct LowSpeed<'a> {
-    /// Velocity behind the noise, m/s; not a number where it is not known.
+    /// Velocity, m/s; not a number where it is not known.
     pub velocity: &'a [f64],
     /// Its standard deviation, m/s.
-    pub velocity_std: f64,
+    pub velocity_std: &'a [f64],
     /// Friction: force less inertia, N.
     pub friction: &'a [f64],
-    /// C_p, C_n (magnitudes, N).
-    pub coulomb: [f64; 2],
     /// b_p, b_n, N·s/m.
     pub viscous: [f64; 2],
-    /// Standard deviation of one sample of friction about the law, N.
-    pub noise: f64,
-    /// Speed that a body leaving rest gains while the filter spreads a step, m/s; 0 without a filter.
+    /// Samples to either side over which the acceleration is an average.
+    pub spread: usize,
+    /// Speed that a body leaving rest gains while a step is spread by what made the acceleration, m/s.
     pub blur: f64,
-    /// Independent samples per sample: below one behind a filter.
-    pub independence: f64,
 }
 
 /// What was found; None for what was not.
@@ -46,26 +50,30 @@ impl StaticLevels {
     /// top speed of the recording, m/s.
     pub fn report(
         &self,
-        units: Units,
+        geometry: Geometry,
         fastest: f64,
         moves: &Moves,
         parameters: &mut BTreeMap<String, Estimate>,
         lost: &mut Vec<NotIdentifiable>,
     ) {
         let blurred = self.blurred.map(|dv| {
-            let unit = units.velocity();
+            let unit = Dimension::VELOCITY.unit(geometry);
             format!("the step from static to sliding at {dv:.2e} {unit} is no sharper than the filter makes any step")
         });
-        let mut give = |name: &str, found: Option<(f64, f64)>, unit: &str, because: String| match found {
-            Some((value, std)) => {
-                parameters.insert(name.into(), Estimate::gaussian(value, std, unit));
-            }
-            None => lost.push(NotIdentifiable {
-                parameter: name.into(),
-                because: blurred.clone().unwrap_or(because),
-                experiment: moves.break_away(),
-            }),
-        };
+        let mut give =
+            |name: &str, found: Option<(f64, f64)>, dimension: Dimension, because: String| match found {
+                Some((value, std)) => {
+                    parameters.insert(
+                        name.into(),
+                        Estimate::gaussian(value, std, dimension.unit(geometry).to_string()),
+                    );
+                }
+                None => lost.push(NotIdentifiable {
+                    parameter: name.into(),
+                    because: blurred.clone().unwrap_or(because),
+                    experiment: moves.break_away(),
+                }),
+            };
         for (way, (name, direction)) in
             [("static_p", "positive"), ("static_n", "negative")].into_iter().enumerate()
         {
@@ -74,67 +82,206 @@ impl StaticLevels {
                  from sliding friction",
                 self.events[way]
             );
-            give(name, self.levels[way], units.force(), because);
+            give(name, self.levels[way], Dimension::FORCE, because);
         }
         let because = format!(
             "below {:.3e} {} friction shows no step from static to sliding that stands out of the noise",
             TOP * fastest,
-            units.velocity()
+            Dimension::VELOCITY.unit(geometry)
         );
-        give("delta_v", self.delta_v, units.velocity(), because);
+        give("delta_v", self.delta_v, Dimension::VELOCITY, because);
     }
 }
 
-/// Leaving rest in one direction: sample numbers, speeds rising.
+/// Leaving rest in one direction: speeds, rising, and friction, both magnitudes.
 struct Event {
     way: usize,
-    samples: Vec<usize>,
+    /// Speed, m/s, and sums over the samples up to it.
+    below: Vec<(f64, Sums)>,
+    /// Standard deviation that the speeds have in common, m/s.
+    std: f64,
 }
 
-/// A step at less than this many times what the filter spreads it over is the filter's.
+/// Sums over samples.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    n: f64,
+    friction: f64,
+    squares: f64,
+    /// Of friction above the sliding law, and its squares.
+    above: f64,
+    above_squares: f64,
+}
+
+impl Sums {
+    fn add(&mut self, other: &Self) {
+        self.n += other.n;
+        self.friction += other.friction;
+        self.squares += other.squares;
+        self.above += other.above;
+        self.above_squares += other.above_squares;
+    }
+
+    /// The static level these samples would have; None where they do not lie above the sliding law.
+    fn level(&self) -> Option<f64> {
+        (self.n > 0.0 && self.above > 0.0).then(|| self.friction / self.n)
+    }
+
+    /// Squares that a level explains and the sliding law does not.
+    fn explained(&self, level: f64) -> f64 {
+        self.above_squares - (self.squares - 2.0 * level * self.friction + self.n * level * level)
+    }
+}
+
+impl Event {
+    /// Sums over the samples up to a speed.
+    fn up_to(&self, speed: f64) -> Sums {
+        self.first(self.below.partition_point(|(v, _)| *v <= speed))
+    }
+
+    /// Sums over the samples that are below a speed for all the errors of velocity and acceleration.
+    fn surely_below(&self, speed: f64, spread: usize) -> Sums {
+        let speed = speed - (1.5 * self.std).min(0.25 * speed);
+        self.first(self.below.partition_point(|(v, _)| *v <= speed).saturating_sub(spread))
+    }
+
+    fn first(&self, n: usize) -> Sums {
+        n.checked_sub(1).and_then(|last| self.below.get(last)).map_or_else(Sums::default, |(_, sums)| *sums)
+    }
+}
+
+/// The sliding law as the unfiltered samples have it.
+struct Sliding {
+    /// C_p, C_n, magnitudes, N.
+    coulomb: [f64; 2],
+    /// Variance of one sample of friction about it, N².
+    variance: f64,
+    /// Independent samples per sample.
+    independence: f64,
+}
+
+/// Where Δv is, by all events together.
+struct Posterior {
+    speeds: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Posterior {
+    /// Mean and variance of a quantity at each speed.
+    fn moments(&self, of: impl Fn(usize) -> f64) -> (f64, f64) {
+        let values: Vec<f64> = (0..self.speeds.len()).map(of).collect();
+        let mean = values.iter().zip(&self.weights).map(|(x, w)| x * w).sum::<f64>();
+        (mean, values.iter().zip(&self.weights).map(|(x, w)| w * (x - mean).powi(2)).sum())
+    }
+}
+
+/// A step at less than this many times what spreads it is not one of friction.
 const BLURRED: f64 = 3.0;
 /// Speed, as a share of the largest, above which no static friction is looked for.
 const TOP: f64 = 0.3;
+/// Speeds that Δv is looked for at.
+const SPEEDS: usize = 600;
+/// Share of the weight that may lie at the last of them: more, and what lies above the law is no step.
+const AT_TOP: f64 = 0.01;
+/// Standard deviations below the sliding law at which friction is that of a body at rest.
+const AT_REST: f64 = 3.5;
+/// Fewest samples that tell the sliding level of a direction.
+const FEWEST: usize = 20;
+/// Places, in standard deviations, and weights that stand for a normal variable.
+const NORMAL: [(f64, f64); 9] = [
+    (-2.4, 0.013_6),
+    (-1.8, 0.047_9),
+    (-1.2, 0.117_7),
+    (-0.6, 0.202_0),
+    (0.0, 0.237_6),
+    (0.6, 0.202_0),
+    (1.2, 0.117_7),
+    (1.8, 0.047_9),
+    (2.4, 0.013_6),
+];
 
 impl LowSpeed<'_> {
     /// Finds the levels.
     pub fn find(&self) -> StaticLevels {
         let fastest =
             self.velocity.iter().fold(0.0f64, |m, v| if v.is_finite() { m.max(v.abs()) } else { m });
-        // Below this a body may be at rest: three deviations of its velocity, or its resolution. The errors of a
-        // smoothed velocity last longer than a break-away, so samples beyond are beyond together.
-        let rest = (3.0 * self.velocity_std).max(2e-3 * fastest);
-        let events = self.events(rest, TOP * fastest);
         let mut out = StaticLevels::default();
+        let Some(sliding) = self.sliding(TOP * fastest) else { return out };
+        let events = self.events(&sliding, 2e-3 * fastest, TOP * fastest);
         for event in &events {
             out.events[event.way] += 1;
         }
-        out.delta_v = self.step(&events);
-        if let Some((dv, _)) = out.delta_v.filter(|(dv, _)| *dv < BLURRED * self.blur) {
-            (out.delta_v, out.blurred) = (None, Some(dv));
+        let Some(posterior) = posterior(&events, &sliding, TOP * fastest) else { return out };
+        let (dv, variance) = posterior.moments(|k| posterior.speeds[k]);
+        if dv < BLURRED * self.blur {
+            out.blurred = Some(dv);
             return out;
         }
-        let top = match out.delta_v {
-            Some((dv, _)) => dv - (1.5 * self.velocity_std).min(0.25 * dv),
-            None => 3.0 * rest,
-        };
+        let resolution = self.blur * self.blur / 12.0;
+        out.delta_v = Some((dv, (variance.max(repeated(&events, dv)) + resolution).sqrt()));
         for way in 0..2 {
-            out.levels[way] = self.level(&events, way, top);
+            let sums: Vec<Sums> = posterior
+                .speeds
+                .iter()
+                .map(|dv| total(&events, way, |event| event.surely_below(*dv, self.spread)))
+                .collect();
+            let likely = posterior.moments(|k| sums[k].n).0;
+            if likely < 2.0 {
+                continue;
+            }
+            let (level, between) = posterior.moments(|k| {
+                let sums = &sums[k];
+                if sums.n > 0.0 { sums.friction / sums.n } else { sliding.coulomb[way] }
+            });
+            let within = sliding.variance / (likely * sliding.independence);
+            out.levels[way] = Some((level.max(0.0), (within + between).sqrt()));
         }
         out
     }
 
+    /// The level of each direction above `slowest`, and how friction scatters about the law.
+    fn sliding(&self, slowest: f64) -> Option<Sliding> {
+        let faster = |way: usize| {
+            let sign = if way == 0 { 1.0 } else { -1.0 };
+            let b = self.viscous[way];
+            self.velocity.iter().zip(self.friction).enumerate().filter_map(move |(i, (v, f))| {
+                let above = sign * f - b * sign * v;
+                (sign * v > slowest && above.is_finite()).then_some((i, above))
+            })
+        };
+        let coulomb = [0, 1].map(|way| {
+            let (n, sum) = faster(way).fold((0, 0.0), |(n, sum), (_, level)| (n + 1, sum + level));
+            if n < FEWEST { f64::NAN } else { sum / n as f64 }
+        });
+        let mut residual: Vec<(usize, f64)> = [0, 1]
+            .into_iter()
+            .filter(|way| coulomb[*way].is_finite())
+            .flat_map(|way| faster(way).map(move |(i, level)| (i, level - coulomb[way])))
+            .collect();
+        residual.sort_by_key(|(i, _)| *i);
+        let (at, residual): (Vec<usize>, Vec<f64>) = residual.into_iter().unzip();
+        let squares = residual.iter().map(|e| e * e).sum::<f64>();
+        (squares > 0.0).then(|| Sliding {
+            coulomb,
+            variance: squares / residual.len() as f64,
+            independence: independence(&residual, &at),
+        })
+    }
+
     /// Where the body leaves rest for good: from the first sample that surely moves to the one at `top`.
-    fn events(&self, rest: f64, top: f64) -> Vec<Event> {
+    fn events(&self, sliding: &Sliding, resolution: f64, top: f64) -> Vec<Event> {
         let v = self.velocity;
+        // Below this a body may be at rest. The errors of a smoothed velocity last longer than a break-away, so
+        // samples beyond are beyond together.
+        let rest = |i: usize| (3.0 * self.velocity_std[i]).max(resolution);
         let mut out = Vec::new();
         let mut k = 0;
         while k < v.len() {
-            if !(v[k].abs() <= rest) {
+            if !(v[k].abs() <= rest(k)) {
                 k += 1;
                 continue;
             }
-            let Some(start) = (k..v.len()).find(|i| !(v[*i].abs() <= rest)) else { break };
+            let Some(start) = (k..v.len()).find(|i| !(v[*i].abs() <= rest(*i))) else { break };
             // how it left rest, if it did, is in a gap
             if v[start].is_nan() {
                 k = start + 1;
@@ -142,114 +289,107 @@ impl LowSpeed<'_> {
             }
             let way = usize::from(v[start] < 0.0);
             let sign = if way == 0 { 1.0 } else { -1.0 };
-            let end =
-                (start..v.len()).find(|i| !(sign * v[*i] > rest && sign * v[*i] <= top)).unwrap_or(v.len());
+            let end = (start..v.len())
+                .find(|i| !(sign * v[*i] > rest(*i) && sign * v[*i] <= top))
+                .unwrap_or(v.len());
             // An excursion that falls back to rest is noise, or creep that says nothing about a step.
-            if v.get(end).is_some_and(|v| sign * v > top) {
-                out.push(Event { way, samples: (start..end).collect() });
+            if v.get(end).is_some_and(|v| sign * v > top) && sliding.coulomb[way].is_finite() {
+                // an average of the acceleration reaches back into rest
+                out.push(self.event(sliding, way, (start + self.spread).min(end)..end));
             }
             k = end.max(start + 1);
         }
         out
     }
 
-    fn sliding(&self, way: usize, speed: f64) -> f64 {
-        self.coulomb[way] + self.viscous[way] * speed
-    }
-
-    /// Speed and friction above the sliding law of the samples of one direction, magnitudes.
-    fn excess<'b>(&'b self, events: &'b [Event], way: usize) -> impl Iterator<Item = (f64, f64)> + 'b {
+    fn event(&self, sliding: &Sliding, way: usize, samples: std::ops::Range<usize>) -> Event {
         let sign = if way == 0 { 1.0 } else { -1.0 };
-        events.iter().filter(move |e| e.way == way).flat_map(|e| &e.samples).filter_map(move |i| {
-            let (speed, friction) = (sign * self.velocity[*i], sign * self.friction[*i]);
-            (speed > 0.0 && friction.is_finite()).then(|| (speed, friction - self.sliding(way, speed)))
-        })
-    }
-
-    /// The speed at which friction steps down from static to sliding, in both directions at once.
-    fn step(&self, events: &[Event]) -> Option<(f64, f64)> {
-        let mut ways = [0, 1].map(|way| {
-            let mut s: Vec<(f64, f64)> = self.excess(events, way).collect();
-            s.sort_by(|a, b| a.0.total_cmp(&b.0));
-            s
-        });
-        let mut speeds: Vec<f64> = ways.iter().flatten().map(|(speed, _)| *speed).collect();
-        speeds.sort_by(f64::total_cmp);
-        // What levels above sliding friction, one a direction, explain below `dv`: squared sum over number.
-        let explained = |ways: &[Vec<(f64, f64)>; 2], dv: f64| -> f64 {
-            ways.iter()
-                .map(|s| {
-                    let n = s.partition_point(|(speed, _)| *speed <= dv);
-                    let sum: f64 = s[..n].iter().map(|(_, e)| *e).sum();
-                    if n == 0 { 0.0 } else { sum.max(0.0).powi(2) / n as f64 }
-                })
-                .sum()
-        };
-        let best = |ways: &[Vec<(f64, f64)>; 2]| -> Option<(f64, f64)> {
-            speeds
-                .windows(2)
-                .map(|w| (0.5 * (w[0] + w[1]), explained(ways, w[0])))
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-        };
-        let (dv, gain) = best(&ways)?;
-        // Twice the log of the number of places looked at is what noise alone would explain; 12 more is 3.5 deviations.
-        let chance = 2.0 * (speeds.len().max(2) as f64).ln() + 12.0;
-        let unit = self.noise * self.noise / self.independence.max(1e-3);
-        if gain < chance * unit || speeds.len() < 6 {
-            return None;
-        }
-        // Jackknife over every third sample says how far the place moves when data are missing.
-        let all = ways.clone();
-        let mut places = Vec::new();
-        for part in 0..8 {
-            for (way, s) in ways.iter_mut().enumerate() {
-                *s = all[way].iter().enumerate().filter(|(i, _)| i % 8 != part).map(|(_, s)| *s).collect();
-            }
-            places.extend(best(&ways).map(|b| b.0));
-        }
-        let mean = places.iter().sum::<f64>() / places.len().max(1) as f64;
-        let jackknife = 7.0 / 8.0 * places.iter().map(|p| (p - mean).powi(2)).sum::<f64>();
-        let (dv, gap) = self.between(events, dv);
-        let count = events.len().max(1) as f64;
-        // Blur averages out over events; what lies between two samples does not, where a motion repeats itself.
-        let resolution = gap * gap / 12.0 + self.velocity_std.powi(2) / count;
-        Some((dv, (jackknife + resolution).sqrt()))
-    }
-
-    /// Friction fell between two samples of each event: the middle of them, and how far they are apart, on average.
-    fn between(&self, events: &[Event], dv: f64) -> (f64, f64) {
-        let pairs: Vec<(f64, f64)> = events
-            .iter()
-            .filter_map(|e| {
-                let last = e.samples.iter().rev().find(|i| self.velocity[**i].abs() <= dv)?;
-                Some((self.velocity[*last].abs(), self.velocity.get(last + 1)?.abs()))
+        let std = samples.clone().map(|i| self.velocity_std[i]).sum::<f64>() / samples.len().max(1) as f64;
+        let law = |i: usize| sliding.coulomb[way] + self.viscous[way] * sign * self.velocity[i];
+        // a body that pulls less than sliding takes is at rest, whatever the errors of its velocity say
+        let at_rest = |i: usize| sign * self.friction[i] < law(i) - AT_REST * sliding.variance.sqrt();
+        let samples =
+            samples.clone().rev().find(|i| at_rest(*i)).map_or(samples.start, |i| i + 1)..samples.end;
+        let mut below: Vec<(f64, Sums)> = samples
+            .map(|i| (sign * self.velocity[i], sign * self.friction[i]))
+            .filter(|(_, friction)| friction.is_finite())
+            .map(|(speed, friction)| {
+                let above = friction - (sliding.coulomb[way] + self.viscous[way] * speed);
+                let squares = friction * friction;
+                (speed, Sums { n: 1.0, friction, squares, above, above_squares: above * above })
             })
             .collect();
-        let n = pairs.len() as f64;
-        if pairs.is_empty() {
-            return (dv, 0.0);
+        below.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut total = Sums::default();
+        for (_, sums) in &mut below {
+            total.add(sums);
+            *sums = total;
         }
-        let mean = |f: fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>() / n;
-        (mean(|p| 0.5 * (p.0 + p.1)), mean(|p| p.1 - p.0))
+        Event { way, below, std }
     }
+}
 
-    fn level(&self, events: &[Event], way: usize, top: f64) -> Option<(f64, f64)> {
-        let mut inside: Vec<f64> = self
-            .excess(events, way)
-            .filter(|(speed, _)| *speed <= top)
-            .map(|(speed, e)| e + self.sliding(way, speed))
-            .collect();
-        inside.sort_by(f64::total_cmp);
-        // A sample that was still at rest carries any force up to D: it stands out, and does not count.
-        let middle = inside.get(inside.len() / 2).copied()?;
-        inside.retain(|f| (f - middle).abs() <= 3.0 * self.noise);
-        let n = inside.len() as f64;
-        if inside.len() < 2 {
-            return None;
-        }
-        let level = inside.iter().sum::<f64>() / n;
-        let scatter = inside.iter().map(|f| (f - level).powi(2)).sum::<f64>() / (n - 1.0);
-        let per_sample = scatter.max(self.noise * self.noise);
-        Some((level.max(0.0), (per_sample / (n * self.independence).max(1.0)).sqrt()))
+/// Sums over what `of` takes of each event in one direction.
+fn total(events: &[Event], way: usize, of: impl Fn(&Event) -> Sums) -> Sums {
+    let mut total = Sums::default();
+    for event in events.iter().filter(|e| e.way == way) {
+        total.add(&of(event));
     }
+    total
+}
+
+/// Variance of Δv where every event passes it between the same two samples, as far as the error of their speeds hides
+/// whether it does.
+fn repeated(events: &[Event], dv: f64) -> f64 {
+    let gaps: Vec<(f64, f64)> = events
+        .iter()
+        .filter_map(|event| {
+            let next = event.below.partition_point(|(v, _)| *v <= dv);
+            let (last, next) = (event.below.get(next.checked_sub(1)?)?, event.below.get(next)?);
+            Some(((next.0 - last.0).powi(2), event.std.powi(2)))
+        })
+        .collect();
+    if gaps.is_empty() {
+        return 0.0;
+    }
+    let n = gaps.len() as f64;
+    let (gap, error) = gaps.iter().fold((0.0, 0.0), |(g, e), (gap, error)| (g + gap / n, e + error / n));
+    let hidden = if error > 0.0 { error / (error + gap / 64.0) } else { 0.0 };
+    hidden * gap / 12.0 + error / n
+}
+
+/// How likely the step is at each speed up to `top`; None where none stands out of the noise.
+fn posterior(events: &[Event], sliding: &Sliding, top: f64) -> Option<Posterior> {
+    let speeds: Vec<f64> = (0..SPEEDS).map(|k| top * (k as f64 + 0.5) / SPEEDS as f64).collect();
+    let unit = sliding.variance / sliding.independence;
+    let (mut gain, mut scores) = (0.0f64, Vec::with_capacity(SPEEDS));
+    for dv in &speeds {
+        let (mut score, mut explained) = (0.0, 0.0);
+        for way in 0..2 {
+            let sums = total(events, way, |event| event.up_to(*dv));
+            let Some(level) = sums.level() else { continue };
+            explained += sums.explained(level);
+            // a level costs what it could have been and is not
+            score -= 0.5 * (1.0 + sums.n * sliding.independence).ln();
+            for event in events.iter().filter(|e| e.way == way) {
+                let at = |off: f64| event.up_to(dv + off * event.std).explained(level) / (2.0 * unit);
+                let largest = NORMAL.iter().map(|(off, _)| at(*off)).fold(f64::NEG_INFINITY, f64::max);
+                score +=
+                    largest + NORMAL.iter().map(|(off, w)| w * (at(*off) - largest).exp()).sum::<f64>().ln();
+            }
+        }
+        gain = gain.max(explained);
+        scores.push(score);
+    }
+    // Twice the log of the number of places looked at is what noise alone would explain; 12 more is 3.5 deviations.
+    let samples = events.iter().map(|e| e.below.len()).sum::<usize>();
+    let chance = 2.0 * (samples.max(2) as f64).ln() + 12.0;
+    if !(gain >= chance * unit) || samples < 6 {
+        return None;
+    }
+    let highest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut weights: Vec<f64> = scores.iter().map(|score| (score - highest).exp()).collect();
+    let total = weights.iter().sum::<f64>();
+    weights.iter_mut().for_each(|w| *w /= total);
+    (weights.last().is_some_and(|last| *last < AT_TOP)).then_some(Posterior { speeds, weights })
 }

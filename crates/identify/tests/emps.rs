@@ -1,21 +1,35 @@
 //! The EMPS benchmark, measured: published parameters with the published preprocessing, and tribos's own beside it.
 
-use identify::{
-    DahlOptions, Identification, KarnoppOptions, Map, Model, Preprocess, ReadOptions, Recording,
-    identify_dahl, identify_karnopp, prepare,
-};
-use std::path::Path;
+#[macro_use]
+extern crate untested; // `println!` is shown only when a test fails, or with --nocapture
 
-/// The recording, or None with a line that says so; under CI its absence is a failure.
-fn emps() -> Option<Recording> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/emps/DATA_EMPS.mat");
-    if !path.exists() {
-        assert!(std::env::var("CI").as_deref() != Ok("true"), "{} is not there", path.display());
-        println!("SKIPPED: {} is not there", path.display());
-        return None;
-    }
+use identify::{
+    DahlOptions, Identification, KarnoppOptions, Model, Preprocess, identify_dahl, identify_karnopp, prepare,
+};
+use signals::{Map, ReadOptions, Recording};
+use std::process::ExitCode;
+use untested::{Need, recordings};
+
+const FILE: &str = "emps/DATA_EMPS.mat";
+
+static EMPS: Need = Need::new(|| recordings(FILE).err());
+
+fn main() -> ExitCode {
+    untested::run!(
+        tests![
+            published_parameters_come_back,
+            published_symmetric_model_comes_back,
+            dahl_does_not_invent_a_stiffness,
+            a_prediction_from_the_motion_alone_is_as_good_as_the_fit,
+            emps_rows_give_the_published_fit,
+        ]
+        .needing(&EMPS)
+    )
+}
+
+fn emps() -> Recording {
     let map: Map = "time_s=t,position_m=qm,force_n=gtau*vir,reference_m=qg".parse().unwrap();
-    Some(Recording::read(&path, &ReadOptions { map: Some(map) }).unwrap())
+    Recording::read(recordings(FILE).unwrap(), &ReadOptions { map: Some(map) }).unwrap()
 }
 
 fn fitted(recording: &Recording, how: &Preprocess, options: &KarnoppOptions) -> Identification {
@@ -31,9 +45,8 @@ const ASYMMETRIC: [(&str, f64, f64); 5] = [
     ("coulomb_n", 20.628, 0.109),
 ];
 
-#[test]
 fn published_parameters_come_back() {
-    let Some(recording) = emps() else { return };
+    let recording = emps();
     let published = fitted(&recording, &Preprocess::Emps, &KarnoppOptions::default());
     let own = fitted(&recording, &Preprocess::default(), &KarnoppOptions::default());
     println!("parameter   published            --preprocess emps (std; textbook std)     default");
@@ -74,9 +87,8 @@ fn published_parameters_come_back() {
     assert!((own.parameters["mass"].value / 95.154 - 1.0).abs() < 0.02);
 }
 
-#[test]
 fn published_symmetric_model_comes_back() {
-    let Some(recording) = emps() else { return };
+    let recording = emps();
     let options = KarnoppOptions { symmetric: true, ..KarnoppOptions::default() };
     let found = fitted(&recording, &Preprocess::Emps, &options);
     for (name, value) in [("mass", 95.109), ("viscous_p", 203.50), ("coulomb_n", 20.394), ("offset", -3.165)]
@@ -91,9 +103,8 @@ fn published_symmetric_model_comes_back() {
     assert!((100.0 * found.relative_error - 4.083).abs() < 0.1);
 }
 
-#[test]
 fn dahl_does_not_invent_a_stiffness() {
-    let Some(recording) = emps() else { return };
+    let recording = emps();
     let signals = prepare(&recording, &Preprocess::default()).unwrap();
     let start = std::time::Instant::now();
     let found = identify_dahl(&signals, &DahlOptions::default()).unwrap();
@@ -108,9 +119,8 @@ fn dahl_does_not_invent_a_stiffness() {
     assert!((found.parameters["mass"].value / 95.1 - 1.0).abs() < 0.02);
 }
 
-#[test]
 fn a_prediction_from_the_motion_alone_is_as_good_as_the_fit() {
-    let Some(recording) = emps() else { return };
+    let recording = emps();
     let found = fitted(&recording, &Preprocess::default(), &KarnoppOptions::default());
     let predicted = Model::from(&found).predict(&recording).unwrap();
     assert_eq!(predicted.len(), recording.len());
@@ -119,4 +129,30 @@ fn a_prediction_from_the_motion_alone_is_as_good_as_the_fit() {
         / norm(&mut recording.force.iter().copied());
     println!("every one of {} samples, raw force: relative error {:.3} %", predicted.len(), 100.0 * error);
     assert!(error < 0.06);
+}
+
+/// The published preprocessing by itself: plain least squares on its rows gives the published figures.
+fn emps_rows_give_the_published_fit() {
+    let recording = emps();
+    let signals = prepare(&recording, &Preprocess::Emps).unwrap();
+    let of = |f: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        signals.condition(&signals.velocity.iter().map(|v| f(*v)).collect::<Vec<_>>())
+    };
+    let columns = [
+        signals.condition(&signals.acceleration),
+        of(&|v| v.max(0.0)),
+        of(&|v| f64::from(v > 0.0)),
+        of(&|v| v.min(0.0)),
+        of(&|v| -f64::from(v < 0.0)),
+    ];
+    let force = nalgebra::DVector::from_vec(signals.condition(&signals.force));
+    let x = nalgebra::DMatrix::from_fn(force.len(), 5, |i, k| columns[k][i]);
+    let fitted = x.clone().svd(true, true).solve(&force, 1e-12).unwrap();
+    let error = (&force - &x * &fitted).norm() / force.norm();
+    println!("{} rows, relative error {:.3} %: {:.3?}", force.len(), 100.0 * error, fitted.as_slice());
+    assert_eq!(force.len(), 2480);
+    assert!((100.0 * error - 3.112).abs() < 0.002);
+    for (found, published) in fitted.iter().zip([95.154, 166.71, 20.144, 240.42, 20.628]) {
+        assert!((found / published - 1.0).abs() < 2e-4, "{found}, published {published}");
+    }
 }

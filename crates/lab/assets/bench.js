@@ -1,4 +1,4 @@
-// Moves, recordings, and what is computed from them.
+// Moves, recordings and their results.
 
 import { fill } from "./controls.js";
 import { wire } from "./wire.js";
@@ -35,7 +35,7 @@ function cell(content, number) {
 function recordings(list) {
   const text = JSON.stringify(list);
   if (text === listed) return;
-  // the newest is the one that is meant, unless another was chosen
+  // the newest recording is the default
   if (list.length && !listed.includes(list[0].name)) chosen = new Set([list[0].name]);
   listed = text;
   $("recordings").tBodies[0].replaceChildren(...list.map(({ name, seconds, lost }) => {
@@ -76,7 +76,7 @@ function done(result) {
   };
   if (result.report) button("Open the report", () => beside(result.report));
   for (const table of result.tables) bar.append(link(table, table.replace(/^.*?-(?=[a-z_]+\.csv$)/, "")));
-  if (result.preset.length) button("Feel what was found", () => fill(result.preset));
+  if (result.preset.length) button("Render the result", () => fill(result.preset));
 }
 
 export function state(known) {
@@ -92,7 +92,7 @@ export function state(known) {
     $("job").querySelector("span").textContent = `${known.job.kind} ${known.job.of}: ${known.job.says}`;
   }
   done(known.done);
-  // a report that came while this page was open shows itself, once
+  // a report that arrives while this page is open is shown once
   const report = known.done?.report ?? null;
   if (reported !== null && report && report + known.done.text !== reported) beside(report);
   reported = report ? report + known.done.text : "";
@@ -115,7 +115,7 @@ export function start() {
   $("hand-sine").addEventListener("click", (event) => {
     const on = event.target.getAttribute("aria-pressed") !== "true";
     event.target.setAttribute("aria-pressed", on);
-    event.target.textContent = on ? "Hand off" : "Let a hand move it";
+    event.target.textContent = on ? "Hand off" : "Move by a simulated hand";
     wire.ask(on ? { do: "hand_sine", amplitude: 0.008, frequency: 0.5 } : { do: "hand", at: null });
   });
   $("beside").querySelector("button").addEventListener("click", () => { $("beside").hidden = true; $("beside").querySelector("iframe").src = "about:blank"; });

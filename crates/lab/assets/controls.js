@@ -1,4 +1,4 @@
-// Presets and parameters. Every change is judged by the device's own validation before it can be sent.
+// Presets and parameters. The device's own validation checks every change before it is sent.
 
 import { wire } from "./wire.js";
 

@@ -80,7 +80,7 @@ export class Handle {
     pen.stroke();
     pen.fillStyle = css("ink");
     for (const end of [-1, 1]) pen.fillRect(x(end * reach) - (end < 0 ? 4 : 0), rail - 14, 4, 28);
-    if (this.target !== null) { // the hand pulls by a spring
+    if (this.target !== null) { // the hand pulls through a spring
       pen.strokeStyle = css("command");
       pen.lineWidth = 2;
       pen.setLineDash([4, 3]);

@@ -1,4 +1,4 @@
-// Force against velocity: the loop that tells friction at a glance.
+// Force against velocity: the friction loop.
 
 import { css, steady } from "./scope.js";
 

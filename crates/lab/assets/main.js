@@ -1,4 +1,4 @@
-// The page: what is known, what is drawn, and a stop that works from anywhere.
+// The page: state, drawing, and a stop that works everywhere.
 
 import * as bench from "./bench.js";
 import * as controls from "./controls.js";
@@ -32,7 +32,7 @@ function say(tone, text, about = "") {
 function stop() {
   if (!wire.ask({ do: "stop" })) say("error", "the lab does not answer: use the emergency stop of the device");
   $("hand-sine").setAttribute("aria-pressed", false);
-  $("hand-sine").textContent = "Let a hand move it";
+  $("hand-sine").textContent = "Move by a simulated hand";
 }
 
 function state(now) {
@@ -45,8 +45,8 @@ function state(now) {
   device.title = now.version;
   $("absent").hidden = now.connected || now.absent === "connecting";
   $("absent").textContent = now.unheard
-    ? "The lab does not answer: `tribos lab` has ended, or its machine sleeps. This page comes back with it; finished trials and recordings are kept."
-    : `No device on ${now.port}: ${now.absent}. It is looked for every second; finished trials and recordings are kept.`;
+    ? "The lab does not answer: `tribos lab` has ended, or its computer sleeps. This page reconnects by itself. Finished trials and recordings are kept."
+    : `No device on ${now.port}: ${now.absent}. The lab retries every second. Finished trials and recordings are kept.`;
   const mode = $("mode");
   mode.textContent = now.connected ? `${now.mode}${now.mode === "rendering" ? ` ${now.preset}` : ""}` : "";
   mode.className = `chip ${now.mode === "fault" ? "bad" : now.mode === "idle" ? "" : "on"}`;
@@ -89,18 +89,18 @@ function tabs() {
 
 function keys() {
   const typing = (target) => target.closest?.("input:not([type=checkbox]), select, textarea");
-  // before anything else hears it: nothing on the page may swallow a stop
+  // first listener: nothing on the page may intercept a stop
   addEventListener("keydown", (event) => {
     const space = event.key === " " && !typing(event.target);
     if (event.key !== "Escape" && !space) return;
     if (space) event.preventDefault();
     if (!event.repeat) stop();
   }, true);
-  // keys in a report are not heard here: it gives the focus back, and is read by keyboard in a tab of its own
+  // a report in a frame would take the keys: it returns the focus, and is read by keyboard in its own tab
   addEventListener("blur", () => setTimeout(() => { if (document.activeElement?.tagName === "IFRAME") $("stop").focus({ preventScroll: true }); }));
-  // the browser takes Escape for itself while the screen is full
+  // in full screen the browser handles Escape itself
   document.addEventListener("fullscreenchange", () => { if (!document.fullscreenElement && known?.experiment?.armed) stop(); });
-  // a space on a button would press it when released
+  // releasing a space on a button would press it
   addEventListener("keyup", (event) => { if (event.key === " " && !typing(event.target)) event.preventDefault(); }, true);
   addEventListener("keydown", (event) => {
     if (known?.experiment || typing(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -119,7 +119,7 @@ function health() {
 
 let scoped = 0;
 function frame(now) {
-  // a column of the scope is wider than what happens in 30 ms; the handle follows at the screen's own rate
+  // a column of the scope is wider than 30 ms; the handle is drawn at the rate of the screen
   if (now - scoped > 28) {
     scoped = now;
     scope.draw();
@@ -134,7 +134,7 @@ wire.on("samples", (batch) => ring.push(batch));
 wire.on("state", state);
 wire.on("said", ({ tone, about, text }) => say(tone, text, about));
 wire.on("closed", () => {
-  say("error", "the lab has gone away; this page waits for it. Finished trials and recordings are kept.");
+  say("error", "the lab is gone; this page reconnects by itself. Finished trials and recordings are kept.");
   if (known) state({ ...known, connected: false, armed: false, mode: "idle", unheard: true });
 });
 wire.on("open", () => { ring.next = null; });
@@ -158,5 +158,5 @@ connect();
 setInterval(health, 250);
 requestAnimationFrame(frame);
 
-// for the tests, which look at what is shown as a person cannot: sample by sample
+// for tests, which check the drawing sample by sample
 globalThis.lab = { ring, scope, wire, stage: tests.stage, get known() { return known; } };

@@ -1,4 +1,4 @@
-// The last two minutes of every sample, and an honest picture of them: minimum and maximum of each column of pixels.
+// Ring buffer of the last two minutes. Drawn as minimum and maximum of each column of pixels.
 
 const CAPACITY = 1 << 17;
 const MASK = CAPACITY - 1;
@@ -11,7 +11,7 @@ export class Ring {
     this.time = new Float64Array(CAPACITY);
     for (const name of CHANNELS) this[name] = new Float32Array(CAPACITY);
     this.mode = new Uint8Array(CAPACITY);
-    this.received = 0; // samples ever put in, by this page
+    this.received = 0; // number of samples received by this page
     this.clear(-1, 0.001);
   }
 
@@ -19,9 +19,9 @@ export class Ring {
   clear(epoch, period) {
     this.epoch = epoch;
     this.period = period;
-    this.end = 0; // samples put in since
-    this.lost = 0; // on the line, as the server counted
-    this.skipped = 0; // batches between server and page
+    this.end = 0; // number of samples since the start of the stream
+    this.lost = 0; // lost on the line, counted by the server
+    this.skipped = 0; // batches lost between server and page
     this.next = null;
   }
 
@@ -40,7 +40,7 @@ export class Ring {
       this.time[i] = view.getFloat64(at, true);
       for (let c = 0; c < CHANNELS.length; c++) this[CHANNELS[c]][i] = view.getFloat32(at + 8 + 4 * c, true);
       const mode = (this.mode[i] = view.getUint8(at + 28));
-      // a handle that nobody drives has no reference
+      // a handle that is not driven has no reference
       if (mode !== 2 && mode !== 3) this.reference[i] = NaN;
     }
     this.received += count;
@@ -83,13 +83,13 @@ export class Ring {
       }
       return out;
     }
-    // columns are counted from time zero: they do not shimmer while the picture moves
+    // columns are counted from time zero, so that they do not flicker as the picture moves
     for (let i = first; i < last;) {
       const column = Math.floor(this.time[i & MASK] / width);
       const end = Math.min(last, Math.max(i + 1, this.find((column + 1) * width)));
       const t = column * width;
       if (i > first && this.time[i & MASK] - this.time[(i - 1) & MASK] > Math.max(gap, width)) {
-        out[0].push(out[0].at(-1) + 1e-6); // after the last column, before this one: times never fall
+        out[0].push(out[0].at(-1) + 1e-6); // between the last column and this one: times never decrease
         names.forEach((_, c) => out[c + 1].push(null));
       }
       out[0].push(t, t + 0.5 * width);
@@ -113,7 +113,7 @@ export class Ring {
     let [worst, sum, n] = [0, 0, 0];
     for (let i = first + 1; i < this.end; i++) {
       const off = this.time[i & MASK] - this.time[(i - 1) & MASK] - this.period;
-      if (Math.abs(off) > 0.5 * this.period) continue; // lost, and counted as that
+      if (Math.abs(off) > 0.5 * this.period) continue; // a lost sample, counted elsewhere
       worst = Math.max(worst, Math.abs(off));
       sum += off * off;
       n++;

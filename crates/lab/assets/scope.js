@@ -1,4 +1,4 @@
-// Position, velocity and force over time, with the state below; follows the newest sample, or stands still when paused.
+// Position, velocity, force and state over time. Follows the newest sample, or stops when paused.
 
 /* global uPlot */
 
@@ -184,7 +184,7 @@ export class Scope {
     const pen = states.getContext("2d");
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
-    // under the plots
+    // below the plots
     const { bbox } = this.plots[0].u;
     const left = bbox.left / ratio, span = bbox.width / ratio;
     const x = (t) => left + Math.max(0, Math.min(1, (t - from) / (to - from))) * span;

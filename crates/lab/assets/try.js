@@ -1,4 +1,4 @@
-// The experiments of chapter 5, full screen. Which trial comes next, and what is felt, the server says.
+// The experiments in full screen. The server decides the next trial and its stimulus.
 
 import { css } from "./scope.js";
 import { wire } from "./wire.js";
@@ -76,7 +76,7 @@ function chosen() {
 }
 
 function fullScreen() {
-  // refused without a gesture or in a frame: the stage fills the window all the same
+  // rejected without a gesture or in a frame; the stage still fills the window
   document.documentElement.requestFullscreen?.().catch(() => {});
 }
 
@@ -120,13 +120,13 @@ export function state(next) {
   sessions(next.sessions);
   chosen();
   $("stage").hidden = !now;
-  // a page nobody can reach with the tabulator lies behind
+  // the page behind cannot be reached by tab
   for (const behind of document.querySelectorAll("body > header, body > main")) behind.inert = Boolean(now);
   if (!now) { target = sent = null; return; }
   $("stage-title").textContent = now.targets ? (now.targets.practice ? "Targeting, practice" : "Targeting") : now.cases ? "Which one differs from the baseline?" : "Done";
   $("stage-progress").textContent = `${Math.min(now.done + 1, now.of)} of ${now.of}`;
   $("stage-last").textContent = now.last;
-  $("stage-waits").textContent = known.connected ? now.waits : `${known.unheard ? "The lab does not answer" : `The device is gone: ${known.absent}`}. Finished trials are kept; this one begins anew.`;
+  $("stage-waits").textContent = known.connected ? now.waits : `${known.unheard ? "The lab does not answer" : `The device is gone: ${known.absent}`}. Finished trials are kept; this one starts again.`;
   $("stage-fault").hidden = !known.fault;
   if (known.fault) $("stage-fault").textContent = `Force is off. ${known.fault.says}.`;
   const cases = $("stage-cases");
@@ -182,7 +182,7 @@ export function draw() {
       if (next || thesis) { pen.globalAlpha = next ? 1 : 0.55; pen.fillRect(centre - wide / 2, middle - tall / 2, wide, tall); pen.globalAlpha = 1; }
       else pen.strokeRect(centre - wide / 2 + 1, middle - tall / 2 + 1, Math.max(1, wide - 2), tall - 2);
     }
-    // the cursor is as wide as the task says, and easy to see
+    // the cursor has the width of the task, and is easy to see
     const half = (0.5 * cursor_px * metre_per_px) / per;
     pen.fillStyle = css("force");
     pen.strokeStyle = css("sheet");
@@ -212,7 +212,7 @@ function key(event) {
     target = hand((target ?? ring.at("position", ring.end - 1)) + step * 0.5e-3);
     return event.preventDefault();
   }
-  if (event.target instanceof HTMLButtonElement && event.key === "Enter") return; // it presses itself
+  if (event.target instanceof HTMLButtonElement && event.key === "Enter") return; // the button handles it
   const action = actions().find(([, k]) => k === wanted);
   if (!action) return;
   event.preventDefault();
@@ -225,7 +225,7 @@ export function start(samples) {
   ring = samples;
   const canvas = $("stage-canvas");
   canvas.tabIndex = -1;
-  // on the virtual device the pointer is the hand; everywhere a press is the button
+  // on the virtual device the pointer is the hand; a press is always the button
   canvas.addEventListener("pointermove", (event) => {
     if (!known?.sim || !now?.armed) return;
     const { left, width } = canvas.getBoundingClientRect();

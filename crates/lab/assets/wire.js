@@ -1,4 +1,4 @@
-// The socket: every sample down, requests up. It comes back by itself when the server does.
+// The socket: samples from the server, requests to it. Reconnects by itself.
 
 const listeners = {};
 let socket = null;

@@ -1,4 +1,4 @@
-//! The page, inside the binary: nothing is fetched from anywhere.
+//! The page, embedded in the binary; it needs no network.
 
 const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
@@ -24,9 +24,9 @@ assets! {
     "bench.js", SCRIPT, "../assets/bench.js";
     "try.js", SCRIPT, "../assets/try.js";
     // MIT, its licence beside it; the reports inline the same file
-    "uPlot.js", SCRIPT, "../../diagnose/assets/uPlot.iife.min.js";
-    "uPlot.css", STYLE, "../../diagnose/assets/uPlot.min.css";
-    "uPlot.LICENSE", HTML, "../../diagnose/assets/uPlot.LICENSE";
+    "uPlot.js", SCRIPT, "../../report/assets/uPlot.iife.min.js";
+    "uPlot.css", STYLE, "../../report/assets/uPlot.min.css";
+    "uPlot.LICENSE", HTML, "../../report/assets/uPlot.LICENSE";
 }
 
 /// Media type and content of a file.
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_is_small_and_asks_for_nothing_else() {
+    fn the_page_is_small_and_self_contained() {
         let size: usize = ALL.iter().map(|(.., body)| body.len()).sum();
         println!("page: {} files, {size} bytes", ALL.len());
         assert!(size < 250_000);

@@ -1,13 +1,13 @@
-//! Samples as they go to a page: every one of them, in binary batches.
+//! Binary batches of samples for the pages.
 //!
 //! ```text
 //! header   16 bytes   kind u8 = 1 │ epoch u8 │ count u16 │ batch u32 │ lost samples u32 │ clock u32, ms
 //! sample   32 bytes   time f64, s │ position, velocity, force, command, reference f32, SI │ mode u8 │ fault u8 │ 0 u16
 //! ```
 //!
-//! Little endian. `epoch` changes when time begins anew; `batch` counts up by one, so a page sees what it missed.
+//! Little endian. `epoch` changes when time restarts; `batch` counts up by one, so a page notices a lost batch.
 
-use crate::device::Sample;
+use client::Sample;
 
 /// First byte of a batch.
 pub const KIND: u8 = 1;
@@ -35,19 +35,19 @@ impl Batch {
         self.count = self.count.saturating_add(1);
     }
 
-    /// Samples in it.
+    /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         usize::from(self.count)
     }
 
-    /// Nothing in it.
+    /// Whether there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// The batch as it is sent; a new one begins.
+    /// The bytes to send; starts the next batch.
     pub fn take(&mut self, epoch: u8, lost: u64, clock_ms: u32) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(HEADER + self.samples.len());
         bytes.extend_from_slice(&[KIND, epoch]);

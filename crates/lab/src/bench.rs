@@ -3,20 +3,23 @@
 mod answers;
 mod experiments;
 mod jobs;
+mod recording_in_progress;
 mod recordings;
 pub(crate) use recordings::is_name;
 mod requests;
+mod running;
 mod sessions;
 
 use crate::batch::Batch;
-use crate::device::{Device, Event, Header, Sample};
 use crate::known::Known;
 use crate::message::Ask;
 use crate::orders::{About, Orders};
 use crate::say::{Say, Tone};
 use crate::tools::Tools;
 use axum::extract::ws::Message;
-use recordings::Recording;
+use client::{Event, Header, Sample, Session};
+use recording_in_progress::Recording;
+use running::Running;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
@@ -24,22 +27,22 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tokio::sync::broadcast;
 
-/// Samples go out this often.
+/// Interval between batches of samples.
 const FLUSH: Duration = Duration::from_millis(16);
-/// Most samples of a batch.
+/// Largest batch, samples.
 const FULL: usize = 1_000;
-/// Whatever changed is told this often at most.
+/// Shortest interval between two state messages.
 const TELL: Duration = Duration::from_millis(50);
-/// A driven handle is told that somebody is there.
+/// Interval of the sign of life to a device that drives the handle.
 const ALIVE: Duration = Duration::from_millis(250);
-/// Silence after which the device lets go of a handle that it drives for this lab, s.
+/// Silence of the lab after which the device releases the handle, s.
 const WATCH_S: u32 = 2;
-/// A device that was lost is looked for.
+/// Interval of the search for a lost device.
 const RETRY: Duration = Duration::from_secs(1);
-/// Silence after which a stream is taken for lost.
+/// Silence of the device after which the stream counts as lost.
 const SILENCE: Duration = Duration::from_secs(3);
 
-/// What reaches the thread.
+/// A message to the thread.
 pub(crate) enum ToBench {
     /// A page opened.
     Joined(u64),
@@ -47,45 +50,45 @@ pub(crate) enum ToBench {
     Left(u64),
     /// A page asks.
     Asked(Ask),
-    /// A job is so far.
+    /// Job progress.
     Progress(f32, String),
-    /// A job is over.
+    /// Result of a job.
     Finished(Box<crate::known::Done>),
-    /// The end.
+    /// Ends the thread.
     Quit,
 }
 
-/// What thread and server share.
+/// State shared by thread and server.
 #[derive(Clone)]
 pub(crate) struct Shared {
-    /// What is known; pages are told from it, and proposals judged by it.
+    /// State of the device, as the pages show it.
     pub known: Arc<Mutex<Known>>,
-    /// To every page.
+    /// Channel to every page.
     pub pages: broadcast::Sender<Message>,
 }
 
 impl Shared {
-    /// Looks at what is known, or changes it. A thread that panicked leaves it readable.
+    /// Reads or changes the state. It stays readable after a panic.
     pub fn known<T>(&self, with: impl FnOnce(&mut Known) -> T) -> T {
         with(&mut self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
     }
 
-    /// Tells every page.
+    /// Sends a message to every page.
     pub fn say(&self, say: &Say<'_>) {
-        // nobody listens: nobody misses it
+        // without a page there is no receiver
         let _ = self.pages.send(Message::Text(say.to_json().into()));
     }
 }
 
-/// The thread's memory.
+/// State of the thread.
 pub(crate) struct Bench {
     tools: Arc<dyn Tools>,
     folder: PathBuf,
     shared: Shared,
     requests: Receiver<ToBench>,
-    /// For jobs, to tell how far they are.
+    /// Sender for the progress of jobs.
     own: Sender<ToBench>,
-    device: Option<Box<dyn Device>>,
+    device: Option<Session>,
     orders: Orders,
     header: Option<Header>,
     batch: Batch,
@@ -100,8 +103,8 @@ pub(crate) struct Bench {
     pages: BTreeSet<u64>,
     last: Option<Sample>,
     recording: Option<Recording>,
-    experiment: Option<experiments::Running>,
-    /// How long the device waited for a host before, s.
+    experiment: Option<Running>,
+    /// Silence limit of the device before this lab changed it, s.
     watch: Option<String>,
 }
 
@@ -139,7 +142,7 @@ impl Bench {
         }
     }
 
-    /// Runs until told to quit; the device is left without force.
+    /// Runs until [`ToBench::Quit`]; leaves the device without force.
     pub fn run(mut self) {
         self.list_recordings();
         self.list_sessions();
@@ -157,11 +160,11 @@ impl Bench {
         }
         self.end_recording();
         if let Some(device) = &mut self.device {
-            // gone or not, nothing more can be done
-            let _ = device.send("stop");
-            let _ = device.send("stream off");
+            // errors are ignored: the device may be gone
+            let _ = device.off();
+            let _ = device.send_line("stream off");
             if let Some(seconds) = &self.watch {
-                let _ = device.send(&format!("watch {seconds}"));
+                let _ = device.send_line(&format!("watch {seconds}"));
             }
             let _ = device.poll();
         }
@@ -169,13 +172,14 @@ impl Bench {
 
     fn connect(&mut self) {
         match self.tools.open() {
-            Ok(device) => {
+            Ok(mut device) => {
+                device.in_real_time();
                 self.device = Some(device);
                 self.orders.reset();
                 self.heard = Instant::now();
                 // whatever the device did before: force off until somebody arms it
                 for (line, about) in [
-                    ("stop", About::Page("stop")),
+                    ("off", About::Page("stop")),
                     ("version", About::Version),
                     ("watch", About::Watch),
                     ("preset list", About::Presets),
@@ -185,6 +189,7 @@ impl Bench {
                 }
             }
             Err(why) => {
+                let why = why.to_string();
                 let news = self.shared.known(|known| {
                     let news = known.connected || known.absent != why;
                     known.connected = false;
@@ -197,7 +202,7 @@ impl Bench {
         }
     }
 
-    /// The line is gone: what was recorded is kept, and everybody told.
+    /// Handles the loss of the line: keeps the recording and informs every page.
     fn disconnect(&mut self, why: &str) {
         self.device = None;
         self.orders.reset();
@@ -215,7 +220,7 @@ impl Bench {
         self.tell(true);
     }
 
-    /// Handles what was asked; true at the end.
+    /// Handles requests; true when asked to quit.
     fn requests(&mut self, wait: Duration) -> bool {
         let mut wait = Some(wait).filter(|wait| !wait.is_zero());
         loop {
@@ -261,7 +266,7 @@ impl Bench {
         }
     }
 
-    /// Nobody watches any more: force off.
+    /// Switches the force off when no page is open.
     fn abandoned(&mut self) {
         let armed = self.shared.known(|known| known.armed || !matches!(known.mode, "idle" | "fault"));
         if self.pages.is_empty() && armed {
@@ -269,7 +274,7 @@ impl Bench {
         }
     }
 
-    /// Everything that waits is forgotten, and everything that runs ends.
+    /// Drops queued commands and ends what runs.
     fn stop(&mut self) {
         self.stop_quietly();
         self.interrupt();
@@ -277,7 +282,7 @@ impl Bench {
 
     fn stop_quietly(&mut self) {
         self.orders.forget();
-        self.orders.first("stop", About::Page("stop"));
+        self.off_at_once();
         if self.shared.known(|known| known.sim) {
             self.orders.push("sim hand off", About::Hand);
         }
@@ -288,6 +293,15 @@ impl Bench {
         self.dirty = true;
     }
 
+    /// Sends `off` past the queue, without waiting for the answer to the last command.
+    fn off_at_once(&mut self) {
+        let Some(device) = &mut self.device else { return };
+        match device.off() {
+            Ok(()) => self.orders.sent_off(),
+            Err(why) => self.disconnect(&why.to_string()),
+        }
+    }
+
     fn send(&mut self) {
         if let Some(order) = self.orders.overdue() {
             self.say(Tone::Error, "device", format!("no answer to `{}`", order.line));
@@ -296,13 +310,13 @@ impl Bench {
         let Some(device) = &mut self.device else { return };
         let mut sent = Ok(());
         if let Some(line) = self.orders.next() {
-            sent = device.send(&line);
+            sent = device.send_line(&line);
         } else if driven && self.alive.elapsed() > ALIVE {
             self.alive = Instant::now();
-            sent = device.send("");
+            sent = device.send_line("");
         }
         if let Err(why) = sent {
-            self.disconnect(&why);
+            self.disconnect(&why.to_string());
         }
     }
 
@@ -310,7 +324,7 @@ impl Bench {
         let Some(device) = &mut self.device else { return };
         let events = match device.poll() {
             Ok(events) => events,
-            Err(why) => return self.disconnect(&why),
+            Err(why) => return self.disconnect(&why.to_string()),
         };
         if events.is_empty() && self.heard.elapsed() > SILENCE {
             return self.disconnect(&format!("it has said nothing for {} s", SILENCE.as_secs()));
@@ -321,7 +335,7 @@ impl Bench {
         for event in events {
             match event {
                 Event::Text(line) => self.line(line),
-                Event::Header(header) => self.header(*header),
+                Event::Header(header) => self.header(header),
                 Event::Sample(sample) => self.sample(&sample),
                 Event::Lost(count) => {
                     self.lost += count;
@@ -340,10 +354,10 @@ impl Bench {
         self.last = None;
         self.shared.known(|known| {
             known.epoch = known.epoch.wrapping_add(1);
-            known.device = header.device;
+            known.device = header.device();
             known.period = header.sample_period();
-            known.reach = 0.5 * f64::from(header.device.stroke);
-            known.force_max = f64::from(header.device.force_max);
+            known.reach = 0.5 * f64::from(known.device.stroke);
+            known.force_max = f64::from(known.device.force_max);
         });
         self.header = Some(header);
         self.dirty = true;
@@ -382,7 +396,7 @@ impl Bench {
         let _ = self.shared.pages.send(Message::Binary(bytes.into()));
     }
 
-    /// Tells every page what is known, if it is news.
+    /// Sends the state to every page if it has changed.
     fn tell(&mut self, now: bool) {
         if !self.dirty || (!now && self.told.elapsed() < TELL) {
             return;

@@ -1,4 +1,4 @@
-//! An experiment as a page sees it: what to draw now, and nothing the subject must not know.
+//! An experiment as a page sees it: what to draw, without what the subject must not know.
 
 use perception::{Case, Event, Experiment, ForcedChoice, Record, Session, Targeting};
 use serde::Serialize;
@@ -70,7 +70,7 @@ pub struct Begun {
 }
 
 impl Begun {
-    /// Reads a session's file; nothing if it is none.
+    /// Reads the file of a session; None for any other file.
     #[must_use]
     pub fn read(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?.to_owned();

@@ -1,4 +1,4 @@
-//! Who may speak with the lab: pages that the lab itself served, under the address it was started with.
+//! Access control: only pages served by this lab, under the address it was started with.
 //!
 //! A page of another origin can send requests here (a form, an image, a WebSocket) but cannot hide where it comes from:
 //! browsers set `Origin` and `Sec-Fetch-Site` themselves. A page that makes its own name point at this address (DNS
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_loopback_a_token_is_asked_for_and_names_are_not_taken() {
+    fn beyond_loopback_a_token_is_required() {
         let guard = Guard::new("0.0.0.0:7700".parse().unwrap(), Some("s3cret".into()));
         let with = |cookie| Asking { cookie, ..asking("192.168.1.7:7700", None) };
         assert!(guard.check(&with(None)).is_err());

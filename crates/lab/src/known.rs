@@ -1,4 +1,4 @@
-//! What is known of the device, as every page is told.
+//! State of the device as every page shows it.
 
 use crate::verdict::{self, Shown, Verdict};
 use haptics::{Device, FaultKind, ModeId, Settings};
@@ -71,7 +71,7 @@ pub struct Known {
     pub absent: String,
     /// What runs there.
     pub version: String,
-    /// Counts the streams; time begins anew with each.
+    /// Counts the streams; time restarts with each.
     pub epoch: u8,
     /// Time between samples, s.
     pub period: f64,
@@ -182,7 +182,7 @@ impl Known {
             },
         });
         let news = mode != self.mode || fault != self.fault;
-        // after a fault somebody has to arm it anew
+        // after a fault the device must be armed again
         self.armed &= fault.is_none();
         (self.mode, self.fault) = (mode, fault);
         news
@@ -200,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_answers_of_a_device_become_what_the_page_shows() {
+    fn device_answers_are_parsed_for_the_page() {
         let mut known = Known::new("sim");
         known.preset_list("ok brass rubber mine; active mine (changed); default brass");
         assert_eq!((known.presets.len(), known.preset.as_str(), known.changed), (3, "mine", true));

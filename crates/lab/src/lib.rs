@@ -1,4 +1,4 @@
-//! `tribos lab`: what a haptics lab keeps open on its screen, in a browser.
+//! `tribos lab`: live scope, presets and experiments in a browser.
 //!
 //! ```text
 //!  device ──▶ bench (thread) ──▶ broadcast ──▶ one task a page ──▶ WebSocket ──▶ page
@@ -10,13 +10,12 @@
 //! stops it, and when the lab ends. Nothing is sent that the device would refuse: [`verdict`] asks the device's own
 //! validation first. Loopback only, unless an address and a token are asked for; see [`guard`].
 //!
-//! The lab opens no port and knows no file format: [`Tools`] is what the host command gives it.
+//! The lab speaks to the device through [`client`]. What the host command knows beyond that, it gives as [`Tools`].
 #![forbid(unsafe_code)]
 
 pub mod assets;
 pub mod batch;
 mod bench;
-pub mod device;
 pub mod experiment;
 pub mod guard;
 pub mod known;

@@ -1,4 +1,4 @@
-//! What a page may ask. Anything else is refused and changes nothing.
+//! Requests of a page. Anything else is refused and changes nothing.
 
 use serde::Deserialize;
 
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_page_sends_is_understood_and_nothing_else_is() {
+    fn only_page_messages_are_parsed() {
         assert_eq!(Ask::read(r#"{"do":"arm"}"#), Ok(Ask::Arm));
         assert_eq!(Ask::read(r#"{"do":"hand","at":null}"#), Ok(Ask::Hand { at: None }));
         for bad in

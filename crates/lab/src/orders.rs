@@ -1,30 +1,30 @@
-//! Commands that wait for their turn: one is on the line at a time, and its answer is known to be its own.
+//! The queue of commands. One command is on the line at a time, so each answer belongs to it.
 
 use link::reply;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// How long a device may take to answer.
+/// Time in which a device must answer.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Commands that may wait; more come from a page gone wild.
-const MOST: usize = 200;
+/// Longest queue. More commands come only from a faulty page.
+const MAX_WAITING: usize = 200;
 
-/// Why a command was sent; what its answer means.
+/// Purpose of a command, which says what its answer means.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum About {
     Version,
     Get,
     Presets,
     Stream,
-    /// How long the device waits for a host; put back at the end.
+    /// The silence limit of the device, restored at the end.
     Watch,
-    /// A page asked for it: what it is called, if it goes wrong.
+    /// Sent for a page; its name in an error.
     Page(&'static str),
     /// A parameter.
     Set,
-    /// An experiment's; the subject is not to read its answer.
+    /// Sent by an experiment; the subject does not see its answer.
     Quiet,
-    /// The simulated hand; its answer tells nothing.
+    /// Position of the simulated hand; its answer is ignored.
     Hand,
 }
 
@@ -35,24 +35,24 @@ pub(crate) struct Order {
     pub about: About,
 }
 
-/// An answer, whole.
+/// A complete answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Answer {
     pub order: Order,
     /// First line.
     pub first: String,
-    /// Those that follow.
+    /// The lines that follow.
     pub rest: Vec<String>,
 }
 
-/// What a line was.
+/// Meaning of a line from the device.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Heard {
-    /// The end of an answer.
+pub(crate) enum Reply {
+    /// The last line of an answer.
     Answer(Answer),
-    /// News nobody asked for.
+    /// An unsolicited message.
     News(String),
-    /// Part of something longer.
+    /// Part of an answer that is not complete.
     Nothing,
 }
 
@@ -69,34 +69,41 @@ struct Waiting {
 pub(crate) struct Orders {
     queue: VecDeque<Order>,
     waiting: Option<Waiting>,
+    /// Number of answers to `off` that arrive outside the queue.
+    offs: u32,
 }
 
 impl Orders {
-    /// Puts a command at the end. A hand that has not moved yet goes to the newest place at once.
+    /// Appends a command. A queued position of the hand is replaced by the newest.
     pub fn push(&mut self, line: impl Into<String>, about: About) {
         let order = Order { line: line.into(), about };
         if order.about == About::Hand
             && let Some(old) = self.queue.iter_mut().find(|old| old.about == About::Hand)
         {
             old.line = order.line;
-        } else if self.queue.len() < MOST {
+        } else if self.queue.len() < MAX_WAITING {
             self.queue.push_back(order);
         }
     }
 
-    /// Forgets what was not sent yet.
+    /// Drops the commands that are not sent yet.
     pub fn forget(&mut self) {
         self.queue.clear();
     }
 
-    /// The line is another one.
+    /// Starts over with another line.
     pub fn reset(&mut self) {
         *self = Self::default();
     }
 
-    /// Puts a command before all others.
+    /// Puts a command in front of all others.
     pub fn first(&mut self, line: impl Into<String>, about: About) {
         self.queue.push_front(Order { line: line.into(), about });
+    }
+
+    /// Notes that `off` was sent past the queue.
+    pub fn sent_off(&mut self) {
+        self.offs = self.offs.saturating_add(1);
     }
 
     /// The next command to send, if none is on the line.
@@ -110,21 +117,26 @@ impl Orders {
         Some(line)
     }
 
-    /// The command that was never answered.
+    /// The command whose answer is overdue; given once.
     pub fn overdue(&mut self) -> Option<Order> {
         let late = self.waiting.as_ref().is_some_and(|waiting| waiting.since.elapsed() > PATIENCE);
         late.then(|| self.waiting.take().map(|waiting| waiting.order)).flatten()
     }
 
     /// Takes a line of the device.
-    pub fn hear(&mut self, line: String) -> Heard {
+    pub fn receive(&mut self, line: String) -> Reply {
         if reply::is_news(&line) {
-            return Heard::News(line.trim_start_matches('!').trim().to_owned());
+            return Reply::News(line.trim_start_matches('!').trim().to_owned());
         }
-        let Some(waiting) = &mut self.waiting else { return Heard::Nothing };
+        // it comes after the answer to what was on the line
+        if self.offs > 0 && line.starts_with("ok off") {
+            self.offs -= 1;
+            return Reply::Nothing;
+        }
+        let Some(waiting) = &mut self.waiting else { return Reply::Nothing };
         if waiting.first.is_none() {
             if !reply::is_answer(&line) {
-                return Heard::Nothing;
+                return Reply::Nothing;
             }
             waiting.left = reply::lines_to_follow(&line);
             waiting.first = Some(line);
@@ -133,13 +145,13 @@ impl Orders {
             waiting.left = waiting.left.saturating_sub(1);
         }
         if waiting.left > 0 {
-            return Heard::Nothing;
+            return Reply::Nothing;
         }
         match self.waiting.take() {
             Some(Waiting { order, first: Some(first), rest, .. }) => {
-                Heard::Answer(Answer { order, first, rest })
+                Reply::Answer(Answer { order, first, rest })
             }
-            _ => Heard::Nothing,
+            _ => Reply::Nothing,
         }
     }
 }
@@ -156,14 +168,20 @@ mod tests {
         orders.push("sim hand at 0.002", About::Hand);
         assert_eq!(orders.next().as_deref(), Some("get"));
         assert_eq!(orders.next(), None);
-        assert_eq!(orders.hear("ok brass, 2 lines:".into()), Heard::Nothing);
-        assert_eq!(orders.hear("! the motion has ended".into()), Heard::News("the motion has ended".into()));
-        assert_eq!(orders.hear("  a 1".into()), Heard::Nothing);
-        let Heard::Answer(answer) = orders.hear("  b 2".into()) else { panic!("an answer") };
+        assert_eq!(orders.receive("ok brass, 2 lines:".into()), Reply::Nothing);
+        assert_eq!(
+            orders.receive("! the motion has ended".into()),
+            Reply::News("the motion has ended".into())
+        );
+        assert_eq!(orders.receive("  a 1".into()), Reply::Nothing);
+        let Reply::Answer(answer) = orders.receive("  b 2".into()) else { panic!("an answer") };
         assert_eq!((answer.order.about, answer.rest.len()), (About::Get, 2));
-        orders.first("stop", About::Page("stop"));
-        assert_eq!(orders.next().as_deref(), Some("stop"));
-        orders.hear("ok stop".into());
         assert_eq!(orders.next().as_deref(), Some("sim hand at 0.002"), "the newest place");
+        orders.sent_off();
+        assert!(matches!(orders.receive("ok hand moves to 0.002 m".into()), Reply::Answer(_)));
+        assert_eq!(
+            orders.receive("ok off: the amplifier is off, rendering has ended".into()),
+            Reply::Nothing
+        );
     }
 }

@@ -1,10 +1,10 @@
-//! What pages are told in words.
+//! Messages to the pages.
 
 use crate::known::Known;
 use crate::verdict::Verdict;
 use serde::Serialize;
 
-/// How something is said.
+/// Tone of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tone {

@@ -1,11 +1,13 @@
 //! The page and its socket.
 
+mod app;
 mod files;
 mod socket;
 
+pub(crate) use app::App;
+
 use crate::assets;
-use crate::bench::{Shared, ToBench};
-use crate::guard::{Asking, COOKIE, Guard};
+use crate::guard::{Asking, COOKIE};
 use axum::Router;
 use axum::body::Body;
 use axum::extract::{Query, Request, State};
@@ -14,31 +16,10 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde::Deserialize;
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
-use std::sync::mpsc::Sender;
-use std::time::Instant;
-
-/// What every request can reach.
-#[derive(Clone)]
-pub(crate) struct App {
-    pub shared: Shared,
-    pub bench: Sender<ToBench>,
-    pub guard: Arc<Guard>,
-    pub folder: PathBuf,
-    pub tools: Arc<dyn crate::Tools>,
-    pub pages: Arc<AtomicU64>,
-    /// Zero of the clock that batches carry.
-    pub began: Instant,
-}
 
 /// What the page itself may load: what the lab serves, nothing else.
 const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; \
     connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// Reports are files of their own, with their scripts inside; they may reach nothing.
-const REPORT_POLICY: &str = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; \
-    style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'";
 
 /// The routes.
 pub(crate) fn router(app: App) -> Router {

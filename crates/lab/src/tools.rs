@@ -1,6 +1,6 @@
-//! What the page lets do that the host command already knows how to.
+//! Functions of the host command that the page offers; the caller implements them.
 
-use crate::device::{Device, Header, Recorder};
+use client::Session;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -27,18 +27,7 @@ pub trait Tools: Send + Sync {
     ///
     /// # Errors
     /// Why it cannot be opened, and what would help.
-    fn open(&self) -> Result<Box<dyn Device>, String>;
-
-    /// Begins a recording.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    fn record(
-        &self,
-        path: &Path,
-        header: &Header,
-        notes: &[(String, String)],
-    ) -> Result<Box<dyn Recorder>, String>;
+    fn open(&self) -> Result<Session, client::Error>;
 
     /// Identifies friction from recordings, and writes a report.
     ///
@@ -68,7 +57,7 @@ pub trait Tools: Send + Sync {
     /// What is wrong with the sessions.
     fn analyse(&self, sessions: &[PathBuf], report: &Path, progress: Progress<'_>) -> Result<Found, String>;
 
-    /// Writes a recording anew as MCAP.
+    /// Writes a recording as MCAP.
     ///
     /// # Errors
     /// What is wrong with the recording, or the file cannot be written.

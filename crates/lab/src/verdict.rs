@@ -1,4 +1,4 @@
-//! Whether the device would take a set of parameters, by the device's own validation, before anything is sent.
+//! Checks a set of parameters by the device's own validation before anything is sent.
 
 use friction::effects::EffectKind;
 use haptics::number::Text;
@@ -15,7 +15,7 @@ pub struct Shown {
     /// As typed.
     pub name: String,
     /// SI; empty for a choice.
-    pub unit: &'static str,
+    pub unit: String,
     /// One line.
     pub what: &'static str,
     /// Value as the device shows it.
@@ -130,7 +130,7 @@ fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> S
     };
     let (low, high) = if choices.is_empty() { limits(settings, device, &name) } else { (None, None) };
     let value = settings.get(&name).map(|value| value.to_string()).unwrap_or_default();
-    let unit = if p.unit == "-" { "" } else { p.unit };
+    let unit = p.unit().map_or_else(String::new, |unit| unit.to_string());
     Shown { name, unit, what: p.what, value, low, high, choices }
 }
 
@@ -142,7 +142,7 @@ pub fn parameters(settings: &Settings, device: &Device) -> Vec<Shown> {
     for effect in settings.effects.iter().flatten() {
         let kind: EffectKind = effect.kind;
         for p in kind.gains().iter().chain(kind.shape()) {
-            let known = Parameter { name: p.name, unit: p.unit, what: kind.id() };
+            let known = Parameter { name: p.name, dimension: Some(p.dimension), what: kind.id() };
             all.push(shown(settings, device, format!("{}.{}", kind.id(), p.name), &known));
         }
     }
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_device_would_refuse_is_refused_with_what_it_would_accept() {
+    fn refusals_name_the_accepted_range() {
         let (settings, device) = (Settings::rubber(), Device::default());
         let said = steps(&settings, &device, &[change("k_vc", "1e6")]).expect_err("too stiff");
         println!("{said}");

@@ -1,9 +1,9 @@
-//! One line of text into one command.
+//! Parser of command lines.
 
 use core::fmt;
 use haptics::{Excitation, Wave};
 
-/// What a person or a host asks of the device.
+/// A command to the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command<'a> {
     /// `help`
@@ -33,7 +33,9 @@ pub enum Command<'a> {
     Move(Excitation),
     /// `stop`
     Stop,
-    /// `stream on [DECIMATION]`: control periods per frame; `stream off` is 0.
+    /// `off`
+    Off,
+    /// `stream on [DECIMATION]`, control periods per frame; 0 is `stream off`.
     Stream(u32),
     /// `identify`
     Identify,
@@ -41,9 +43,9 @@ pub enum Command<'a> {
     SelfTest,
     /// `calibrate …`
     Calibrate(Calibrate),
-    /// `watch [SECONDS]`: how long the host may be silent while it drives the handle; 0: for ever.
+    /// `watch [SECONDS]`: longest silence of the host while it drives the handle; 0 is no limit.
     Watch(Option<f32>),
-    /// `rate [HZ]`: control periods in a second.
+    /// `rate [HZ]`: control rate.
     Rate(Option<u32>),
 }
 
@@ -57,7 +59,7 @@ pub enum Sensor {
 }
 
 impl Sensor {
-    /// As it is typed.
+    /// Name as typed.
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
@@ -66,7 +68,7 @@ impl Sensor {
         }
     }
 
-    /// Unit of its values.
+    /// Unit of the values.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
@@ -79,7 +81,7 @@ impl Sensor {
 /// `calibrate …`
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Calibrate {
-    /// `calibrate load|accel VALUE`: what the sensor should read now.
+    /// `calibrate load|accel VALUE`: the true value of the sensor now.
     Point(Sensor, f32),
     /// `calibrate save`
     Save,
@@ -106,18 +108,18 @@ pub enum PresetCommand<'a> {
     Default(&'a str),
 }
 
-/// A line that is no command; nothing has changed.
+/// A line that is not a command. Nothing has changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BadCommand<'a> {
-    /// The first word is none of the commands.
+    /// Unknown first word.
     Unknown(&'a str),
-    /// A word is missing; the usage follows.
+    /// A missing word, with the usage.
     Missing(&'static str),
-    /// A word too many; the usage follows.
+    /// A word too many, with the usage.
     TooMany(&'a str, &'static str),
-    /// A word that is not one of those accepted.
+    /// A word that is not accepted, with those that are.
     NotOneOf(&'a str, &'static str),
-    /// Not a number of the kind accepted: what, text, accepted.
+    /// Not a number, or out of range: parameter, text, accepted values.
     NotANumber(&'static str, &'a str, &'static str),
 }
 
@@ -136,18 +138,18 @@ impl BadCommand<'_> {
 impl fmt::Display for BadCommand<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unknown(word) => write!(f, "no command `{word}`; `help` lists them"),
-            Self::Missing(usage) => write!(f, "a word is missing; accepted is `{usage}`"),
-            Self::TooMany(word, usage) => write!(f, "`{word}` is too many; accepted is `{usage}`"),
-            Self::NotOneOf(word, accepted) => write!(f, "`{word}`: accepted are {accepted}"),
-            Self::NotANumber(what, text, accepted) => write!(f, "{what} = `{text}`: accepted is {accepted}"),
+            Self::Unknown(word) => write!(f, "unknown command `{word}`; `help` lists all commands"),
+            Self::Missing(usage) => write!(f, "missing word; usage: `{usage}`"),
+            Self::TooMany(word, usage) => write!(f, "unexpected word `{word}`; usage: `{usage}`"),
+            Self::NotOneOf(word, accepted) => write!(f, "`{word}`: expected one of {accepted}"),
+            Self::NotANumber(what, text, accepted) => write!(f, "{what} = `{text}`: expected {accepted}"),
         }
     }
 }
 
 impl core::error::Error for BadCommand<'_> {}
 
-/// The words of a line, taken one by one against a usage.
+/// Words of a line, checked against a usage.
 struct Words<'a> {
     rest: core::str::SplitAsciiWhitespace<'a>,
     usage: &'static str,
@@ -170,10 +172,17 @@ fn finite<'a>(what: &'static str, text: &'a str, accepted: &'static str) -> Resu
 const DECIMATION: &str = "a whole number from 1 to 1000";
 
 impl<'a> Command<'a> {
-    /// Understands one line; `None` for an empty one.
+    /// Parses one line. `None` for an empty one.
+    ///
+    /// ```
+    /// use link::Command;
+    /// assert_eq!(Command::parse("render on"), Ok(Some(Command::Render(true))));
+    /// let error = Command::parse("render maybe").unwrap_err();
+    /// assert_eq!(error.to_string(), "`maybe`: expected one of on, off");
+    /// ```
     ///
     /// # Errors
-    /// [`BadCommand`], one line with what would be accepted.
+    /// [`BadCommand`]: one line that says what would be accepted.
     pub fn parse(line: &'a str) -> Result<Option<Self>, BadCommand<'a>> {
         let mut rest = line.split_ascii_whitespace();
         let Some(word) = rest.next() else { return Ok(None) };
@@ -185,6 +194,7 @@ impl<'a> Command<'a> {
             "fault" => Self::Fault,
             "clear" => Self::Clear,
             "stop" => Self::Stop,
+            "off" => Self::Off,
             "identify" => Self::Identify,
             "selftest" => Self::SelfTest,
             "preset" => Self::Preset(preset(&mut words)?),
@@ -203,7 +213,7 @@ impl<'a> Command<'a> {
     }
 }
 
-/// How a command is used, by its first word.
+/// Usage of a command, found by its first word.
 fn word_usage(word: &str) -> Option<&'static str> {
     crate::HELP.iter().find(|line| line.word() == word).map(|line| line.usage)
 }
@@ -235,7 +245,7 @@ fn motion<'a>(words: &mut Words<'a>) -> Result<Excitation, BadCommand<'a>> {
     let amplitude_m = finite("AMP", words.next()?, "a finite number of metres")?;
     let frequency_hz = finite("FREQ", words.next()?, "a finite number of hertz")?;
     let seconds = match words.rest.next() {
-        Some(text) => finite("SECONDS", text, "a finite number of seconds; without it until `stop`")?,
+        Some(text) => finite("SECONDS", text, "a finite number of seconds, or nothing to move until `stop`")?,
         None => 0.0,
     };
     Ok(Excitation { wave, amplitude_m, frequency_hz, seconds })
@@ -289,7 +299,7 @@ mod tests {
     use std::string::ToString;
 
     #[test]
-    fn every_command_of_the_design_is_understood() {
+    fn every_command_is_parsed() {
         let sine = Excitation { wave: Wave::Sine, amplitude_m: 0.01, frequency_hz: 2.0, seconds: 0.0 };
         for (line, expected) in [
             ("help", Command::Help),
@@ -311,6 +321,7 @@ mod tests {
             ("move sine 0.01 2", Command::Move(sine)),
             ("move sine 0.01 2 12", Command::Move(Excitation { seconds: 12.0, ..sine })),
             ("stop", Command::Stop),
+            ("off", Command::Off),
             ("stream on", Command::Stream(1)),
             ("stream on 10", Command::Stream(10)),
             ("stream off", Command::Stream(0)),
@@ -330,22 +341,26 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_what_would_be_accepted() {
+    fn errors_say_what_would_be_accepted() {
         for (line, code, says) in [
-            ("rendre on", "UNKNOWN", "no command `rendre`; `help` lists them"),
-            ("render", "SYNTAX", "a word is missing; accepted is `render on|off`"),
-            ("render maybe", "SYNTAX", "`maybe`: accepted are on, off"),
-            ("stop now", "SYNTAX", "`now` is too many; accepted is `stop`"),
-            ("move sine 0.01 NaN", "VALUE", "FREQ = `NaN`: accepted is a finite number of hertz"),
-            ("move square 1 1", "SYNTAX", "`square`: accepted are sine, multisine, chirp, triangle, dwell"),
-            ("stream on 0", "VALUE", "DECIMATION = `0`: accepted is a whole number from 1 to 1000"),
+            ("rendre on", "UNKNOWN", "unknown command `rendre`; `help` lists all commands"),
+            ("render", "SYNTAX", "missing word; usage: `render on|off`"),
+            ("render maybe", "SYNTAX", "`maybe`: expected one of on, off"),
+            ("stop now", "SYNTAX", "unexpected word `now`; usage: `stop`"),
+            ("move sine 0.01 NaN", "VALUE", "FREQ = `NaN`: expected a finite number of hertz"),
+            (
+                "move square 1 1",
+                "SYNTAX",
+                "`square`: expected one of sine, multisine, chirp, triangle, dwell",
+            ),
+            ("stream on 0", "VALUE", "DECIMATION = `0`: expected a whole number from 1 to 1000"),
             (
                 "watch -1",
                 "VALUE",
-                "SECONDS = `-1`: accepted is a number of seconds from 1 to 3600, or 0 for no watch",
+                "SECONDS = `-1`: expected a number of seconds from 1 to 3600, or 0 for no watch",
             ),
-            ("rate 3000", "VALUE", "HZ = `3000`: accepted is 1000, 2000, 5000, 10000 or 20000"),
-            ("set dv", "SYNTAX", "a word is missing; accepted is `set PARAM VALUE`"),
+            ("rate 3000", "VALUE", "HZ = `3000`: expected 1000, 2000, 5000, 10000 or 20000"),
+            ("set dv", "SYNTAX", "missing word; usage: `set PARAM VALUE`"),
         ] {
             let bad = Command::parse(line).unwrap_err();
             assert_eq!((bad.code(), bad.to_string().as_str()), (code, says), "{line}");

@@ -1,4 +1,4 @@
-//! Text and frames off one line, on the host's side.
+//! Separates text from frames on the host.
 
 use crate::{Frame, MAX_WIRE, decode_payload};
 use heapless::Vec;
@@ -8,24 +8,24 @@ const MAX_TEXT: usize = 1024;
 /// First byte of every frame.
 const FRAME: u8 = 1;
 
-/// What came.
+/// Decoded item.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub enum Item<'a> {
-    /// A line, without its end.
+    /// A line without its terminator.
     Text(&'a str),
     /// A frame with its sequence number.
     Frame(u32, Frame),
-    /// Bytes that are neither; they are gone.
+    /// Bytes that are neither; they are lost.
     Corrupt(Corrupt),
 }
 
-/// What was wrong with them.
+/// Reason why bytes were lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Corrupt {
-    /// A frame whose check sum or form is wrong.
+    /// A frame with a wrong check sum or format.
     Frame,
-    /// A line with bytes that are not text, or too long.
+    /// A line that is too long or has bytes that are not text.
     Text,
 }
 
@@ -36,7 +36,7 @@ enum Reading {
     Frame,
 }
 
-/// Takes bytes, gives items. After anything mangled it is in step again with the next frame's or line's end.
+/// Decoder of the bytes from a device. After corrupt bytes it resynchronises at the end of the next frame or line.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     reading: Reading,
@@ -51,7 +51,7 @@ impl Default for Decoder {
 }
 
 impl Decoder {
-    /// At the start of a line.
+    /// Start of a line.
     #[must_use]
     pub const fn new() -> Self {
         Self { reading: Reading::Nothing, buffer: Vec::new(), overlong: false }
@@ -63,7 +63,7 @@ impl Decoder {
             self.buffer.clear();
             self.overlong = false;
             self.reading = match byte {
-                // the end of something whose start was lost
+                // end of an item whose start was lost
                 0 => return None,
                 b'\r' | b'\n' => return None,
                 FRAME => Reading::Frame,
@@ -72,7 +72,7 @@ impl Decoder {
         }
         let ends = match self.reading {
             Reading::Frame => byte == 0,
-            // a zero is the end of a frame whose start was lost
+            // a zero ends a frame whose start was lost
             _ => byte == b'\n' || byte == 0,
         };
         if !ends {

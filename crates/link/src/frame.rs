@@ -1,11 +1,11 @@
-//! Binary frames.
+//! Binary frames: encoding and decoding.
 //!
 //! ```text
 //! payload   0x00 │ format id │ postcard(seq u32, body) │ CRC-16/IBM-3740, low byte first
 //! wire      COBS(payload) 0x00          the leading zero makes the first wire byte 0x01
 //! ```
 //!
-//! Raw codes go on the wire, SI is made on the host with the calibration in the header.
+//! Raw codes go on the wire. The host converts them to SI with the calibration in the header.
 
 use crc::{CRC_16_IBM_3740, Crc};
 use heapless::{String, Vec};
@@ -20,16 +20,16 @@ pub const MAX_WIRE: usize = MAX_PAYLOAD + 3;
 /// SI = (code − `offset_code`) · `unit_per_code`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
-    /// Code of zero.
+    /// Code that stands for zero.
     pub offset_code: f32,
-    /// SI units of one code.
+    /// SI units per code.
     pub unit_per_code: f32,
 }
 
-/// Sent when a stream begins: what the samples need to become SI.
+/// First frame of a stream: everything needed to convert samples to SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// Rate of the timer behind every time stamp, Hz.
+    /// Rate of the timer of all time stamps, Hz.
     pub tick_hz: u32,
     /// Control period, ticks.
     pub period_ticks: u32,
@@ -48,13 +48,13 @@ pub struct Header {
 /// One control period.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// Number of the control step; wraps.
+    /// Number of the control step. Wraps.
     pub step: u32,
-    /// When the sample was taken, ticks; wraps.
+    /// Time of the sample, ticks. Wraps.
     pub sample_ticks: u32,
-    /// Encoder count; wraps.
+    /// Encoder count. Wraps.
     pub count: i32,
-    /// From the last encoder edge to the sample, ticks: the pulse interval that is still open.
+    /// Time since the last encoder edge, ticks: the open pulse interval.
     pub edge_age: u32,
     /// Load cell.
     pub load_code: u16,
@@ -68,7 +68,7 @@ pub struct Sample {
     pub mode: u8,
     /// [`haptics::FaultKind`], 0 for none.
     pub fault: u8,
-    /// Samples that were ready but found no room on the line, since the stream began.
+    /// Number of samples lost since the stream began, because the line was full.
     pub dropped: u32,
 }
 
@@ -80,7 +80,7 @@ impl Sample {
     }
 }
 
-/// What a frame carries.
+/// Contents of a frame.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub enum Frame {
@@ -101,9 +101,9 @@ impl Frame {
     }
 }
 
-/// The frame as it goes over the line, with its end.
+/// Encodes a frame for the wire, terminator included.
 ///
-/// `None` never happens with the frames there are: the longest is shorter than [`MAX_WIRE`] (tested).
+/// `None` if the frame were longer than [`MAX_WIRE`]; a test shows that no frame is.
 #[must_use]
 pub fn encode(seq: u32, frame: &Frame) -> Option<Vec<u8, MAX_WIRE>> {
     let mut payload = [0; MAX_PAYLOAD];
@@ -126,7 +126,7 @@ pub fn encode(seq: u32, frame: &Frame) -> Option<Vec<u8, MAX_WIRE>> {
     Some(wire)
 }
 
-/// Sequence number and frame of a payload (COBS already undone), or nothing if it is not whole.
+/// Decodes a payload without its COBS encoding into sequence number and frame. `None` if it is not intact.
 #[must_use]
 pub fn decode_payload(payload: &[u8]) -> Option<(u32, Frame)> {
     let (body, sum) = payload.split_last_chunk::<2>()?;
@@ -134,7 +134,7 @@ pub fn decode_payload(payload: &[u8]) -> Option<(u32, Frame)> {
         return None;
     }
     let [0, format, rest @ ..] = body else { return None };
-    // everything must be used up: a longer body is another format
+    // no bytes may remain: a longer body is another format
     match format {
         1 => match postcard::take_from_bytes::<(u32, Header)>(rest).ok()? {
             ((seq, header), []) => Some((seq, Frame::Header(header))),

@@ -1,11 +1,11 @@
-//! What `help` says.
+//! Text of `help`.
 
-/// One command as `help` shows it.
+/// One line of `help`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HelpLine {
-    /// How it is typed.
+    /// Usage.
     pub usage: &'static str,
-    /// What it does.
+    /// Effect of the command.
     pub what: &'static str,
 }
 
@@ -21,29 +21,30 @@ const fn line(usage: &'static str, what: &'static str) -> HelpLine {
     HelpLine { usage, what }
 }
 
-/// Every command, in the order people need them.
+/// Every command, in the order a user needs them.
 pub const HELP: &[HelpLine] = &[
-    line("help", "this list, and the parameters with their units"),
-    line("preset list|show|use|save|delete|default [NAME]", "sets of parameters by name"),
-    line("render on|off", "friction on the handle"),
-    line("set PARAM VALUE", "one parameter; a refused value leaves the old one"),
-    line("get [PARAM]", "one parameter, or all of them"),
+    line("help", "commands, and parameters with their units"),
+    line("preset list|show|use|save|delete|default [NAME]", "named sets of parameters"),
+    line("render on|off", "turns the friction on the handle on or off"),
+    line("set PARAM VALUE", "sets one parameter; a rejected value leaves the old one"),
+    line("get [PARAM]", "shows one parameter, or all"),
     line(
         "move WAVE AMP FREQ [SECONDS]",
-        "drives the handle by sine, multisine, chirp, triangle, dwell; m, Hz, s; see `watch`",
+        "drives the handle: sine, multisine, chirp, triangle or dwell; m, Hz, s; see `watch`",
     ),
-    line("stop", "ends what runs; a motion ramps out"),
-    line("stream on|off [DECIMATION]", "binary frames, one every so many control periods"),
-    line("identify", "the thesis's procedure on the device: 12 s, keep off the handle"),
-    line("watch [SECONDS]", "how long the host may say nothing while it drives the handle; 0: for ever"),
+    line("stop", "stops rendering, a motion or an identification; a motion ramps out"),
+    line("off", "switches the amplifier off at once, whatever runs"),
+    line("stream on|off [DECIMATION]", "binary frames, one every DECIMATION control periods"),
+    line("identify", "identifies the block on the device in 12 s; hands off the handle"),
+    line("watch [SECONDS]", "longest silence of the host while it drives the handle; 0: no limit"),
     line("status", "state, preset, handle, force, losses"),
-    line("fault", "the latched fault and what to do"),
+    line("fault", "shows the latched fault and its remedy"),
     line("clear", "leaves the fault state; handle at rest, hands off"),
-    line("selftest", "sensors, loop and amplifier; pushes the handle by a millimetre: hands off"),
+    line("selftest", "tests sensors, loop and amplifier; pushes the handle by a millimetre: hands off"),
     line(
         "calibrate load|accel VALUE | save|discard|status",
-        "what the sensor should read now, N or m/s2; two values or more, then save",
+        "the true value now, N or m/s2; at least two values, then save",
     ),
-    line("rate [HZ]", "control periods in a second; 1000 after a start"),
-    line("version", "what runs here"),
+    line("rate [HZ]", "control rate; 1000 after a start"),
+    line("version", "firmware version and board"),
 ];

@@ -1,13 +1,11 @@
-//! What device and host both speak over one serial line, `no_std`.
+#![doc = include_str!("../README.md")]
 //!
-//! * **Down** (to the device) goes text, one [`Command`] a line: [`LineEditor`] makes lines of bytes.
-//! * **Up** comes text, one answer a command (`ok …` or `err CODE: why`, [`reply`]), and between the lines binary
-//!   [`Frame`]s while a stream is on. A frame always begins with the byte 0x01 and ends with 0x00, text has neither:
-//!   [`Decoder`] takes the two apart, whatever was lost or mangled on the way.
+//! ## Items by direction
 //!
-//! Lines that begin with `!` are news nobody asked for: a fault, the end of a motion, the result of an identification.
-//!
-//! [`PresetStore`] keeps the sets of parameters a device knows by name.
+//! * To the device: [`LineEditor`] assembles lines, [`Command`] parses them, [`HELP`] describes them; [`OffDetector`] finds `off`
+//!   before all that.
+//! * From the device: [`encode`] and [`Decoder`] for [`Frame`]s between the lines; [`reply`] for the form of an answer.
+//! * On the device: [`PresetStore`] keeps named sets of parameters.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -19,6 +17,7 @@ mod decoder;
 mod frame;
 mod help;
 mod line;
+mod off;
 mod preset;
 pub mod reply;
 
@@ -27,4 +26,5 @@ pub use decoder::{Corrupt, Decoder, Item};
 pub use frame::{Channel, Frame, Header, MAX_WIRE, Sample, decode_payload, encode};
 pub use help::{HELP, HelpLine};
 pub use line::{BadLine, LineEditor, MAX_LINE};
+pub use off::OffDetector;
 pub use preset::{Change, DEFAULT_KEY, IDENTIFIED, MAX_ITEM, MAX_SAVED, Name, PresetError, PresetStore};

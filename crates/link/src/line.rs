@@ -1,4 +1,4 @@
-//! Bytes into lines, on the device's side.
+//! Assembles bytes into lines on the device.
 
 use core::fmt;
 use heapless::String;
@@ -9,9 +9,9 @@ pub const MAX_LINE: usize = 160;
 /// A line that cannot be a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BadLine {
-    /// Longer than [`MAX_LINE`]: its length, bytes.
+    /// Longer than [`MAX_LINE`], with its length in bytes.
     TooLong(u32),
-    /// A byte that is not printable ASCII: the byte, and its column from 1.
+    /// A byte that is not printable ASCII, with its column from 1.
     NotText(u8, u32),
 }
 
@@ -29,9 +29,9 @@ impl BadLine {
 impl fmt::Display for BadLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooLong(length) => write!(f, "a line of {length} bytes; accepted are {MAX_LINE}"),
+            Self::TooLong(length) => write!(f, "line of {length} bytes; at most {MAX_LINE} are accepted"),
             Self::NotText(byte, column) => {
-                write!(f, "byte 0x{byte:02x} in column {column}; accepted is printable ASCII")
+                write!(f, "byte 0x{byte:02x} in column {column}; only printable ASCII is accepted")
             }
         }
     }
@@ -39,7 +39,7 @@ impl fmt::Display for BadLine {
 
 impl core::error::Error for BadLine {}
 
-/// Collects bytes until a carriage return or a line feed; backspace and delete take one back.
+/// Collects bytes up to a carriage return or line feed. Backspace and delete remove the last one.
 #[derive(Debug, Clone, Default)]
 pub struct LineEditor {
     line: String<MAX_LINE>,
@@ -55,10 +55,10 @@ impl LineEditor {
         Self { line: String::new(), length: 0, bad: None, done: false }
     }
 
-    /// Takes one byte; the line when it is complete. Empty lines are skipped.
+    /// Takes one byte and returns the line once it is complete. Skips empty lines.
     ///
     /// # Errors
-    /// [`BadLine`] at the end of a line that cannot be a command: nothing of it is to be obeyed.
+    /// [`BadLine`] at the end of a line that cannot be a command. No part of it may be executed.
     pub fn push(&mut self, byte: u8) -> Option<Result<&str, BadLine>> {
         if self.done {
             *self = Self::new();
@@ -78,14 +78,14 @@ impl LineEditor {
                 return Some(Ok(&self.line));
             }
             8 | 127 => {
-                // what is beyond the buffer or not text cannot be taken back byte by byte
+                // bytes beyond the buffer, or not text, cannot be removed one by one
                 if self.bad.is_none() && self.length as usize <= MAX_LINE && self.line.pop().is_some() {
                     self.length -= 1;
                 }
                 return None;
             }
             b' '..=b'~' | b'\t' => {
-                // what does not fit only counts
+                // bytes that do not fit are only counted
                 let _ = self.line.push(char::from(byte));
             }
             _ => {
@@ -110,19 +110,19 @@ mod tests {
     }
 
     #[test]
-    fn lines_end_with_either_or_both() {
+    fn lines_end_with_cr_or_lf_or_both() {
         let expected: Vec<_> = ["help", "stop", "get dv"].map(|s| Ok(Text::from(s))).into();
         assert_eq!(lines(b"help\nstop\r\n\n\rget dv\r"), expected);
         assert_eq!(lines(b"half a line"), []);
     }
 
     #[test]
-    fn backspace_takes_back() {
+    fn backspace_removes_a_byte() {
         assert_eq!(lines(b"\x08stpp\x7f\x08op\n"), [Ok("stop".into())]);
     }
 
     #[test]
-    fn garbage_and_long_lines_are_told_and_over_with_their_end() {
+    fn bad_lines_are_reported_and_end_with_their_line() {
         let mut bytes = Vec::from(&b"get \xff\x00 dv\n"[..]);
         bytes.extend([b'x'; 1000]);
         bytes.extend(b"\nstop\n");
@@ -130,12 +130,12 @@ mod tests {
         assert_eq!(got, [Err(BadLine::NotText(0xff, 5)), Err(BadLine::TooLong(1000)), Ok("stop".into())]);
         assert_eq!(
             got[0].clone().unwrap_err().to_string(),
-            "byte 0xff in column 5; accepted is printable ASCII"
+            "byte 0xff in column 5; only printable ASCII is accepted"
         );
     }
 
     #[test]
-    fn exactly_the_longest_line_is_taken() {
+    fn the_longest_line_is_accepted() {
         let mut bytes = Vec::from([b'a'; MAX_LINE]);
         bytes.push(b'\n');
         assert!(lines(&bytes)[0].is_ok());

@@ -1,37 +1,35 @@
-//! Sets of parameters by name, and the items they are kept as.
+//! Named sets of parameters, and the items they are stored as.
 //!
-//! The store is what a device works with; what lasts is a map of small items beside it, one per place for a preset and
-//! one for the default. A command first gives the [`Change`] it needs, the device stores that item, and only then the
-//! change is [`PresetStore::commit`]ted: what is told is what a restart will find.
+//! The store is in memory. Persistent memory is a map of small items: one per place for a preset and one for the default.
+//! A command returns the [`Change`] it needs, the device stores that item, and only then is the change
+//! [`PresetStore::commit`]ted: the store always shows what a restart would find.
 
 mod item;
+mod name;
 
 use item::Item;
 pub use item::{Change, DEFAULT_KEY, MAX_ITEM};
+pub use name::{MAX_SAVED, Name};
+use name::{ShortName, long, short};
 
 use core::fmt;
 use haptics::Settings;
-use heapless::String;
 
-/// Name of a preset: 1 to 24 of `a-z`, `0-9`, `_`, `-`.
-pub type Name = String<24>;
-/// Presets a user can save.
-pub const MAX_SAVED: usize = 8;
-/// Preset made of what the device identified; kept in memory until it is saved.
+/// Name of the preset that the device identified. In memory until it is saved.
 pub const IDENTIFIED: &str = "identified";
 
-/// Why a preset command was not obeyed; nothing has changed.
+/// Reason why a preset command was rejected. Nothing has changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PresetError<'a> {
-    /// No preset of this name.
+    /// Unknown preset.
     NotThere(&'a str),
     /// The preset is only in memory.
     NotSaved(&'a str),
     /// The preset is part of the firmware.
     BuiltIn(&'a str),
-    /// Not a name.
+    /// Invalid name.
     BadName(&'a str),
-    /// No room left.
+    /// No free place.
     Full,
 }
 
@@ -52,13 +50,13 @@ impl PresetError<'_> {
 impl fmt::Display for PresetError<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotThere(name) => write!(f, "no preset `{name}`; `preset list` names them"),
+            Self::NotThere(name) => write!(f, "unknown preset `{name}`; `preset list` shows all"),
             Self::NotSaved(name) => write!(f, "`{name}` is not saved: `preset save {name}` first"),
-            Self::BuiltIn(name) => write!(f, "`{name}` is built in; save under another name"),
+            Self::BuiltIn(name) => write!(f, "`{name}` is built in; use another name"),
             Self::BadName(name) => {
-                write!(f, "`{name}`: accepted are 1 to 24 of a-z, 0-9, _ and -")
+                write!(f, "`{name}`: a name has 1 to 24 of a-z, 0-9, _ and -")
             }
-            Self::Full => write!(f, "{MAX_SAVED} presets are saved; `preset delete NAME` makes room"),
+            Self::Full => write!(f, "all {MAX_SAVED} places are in use; `preset delete NAME` frees one"),
         }
     }
 }
@@ -70,23 +68,9 @@ impl core::error::Error for PresetError<'_> {}
 enum Place {
     #[default]
     Free,
-    /// Something is kept here that this firmware cannot read. A new preset takes the place when no other is free.
+    /// An item that this firmware cannot read. A new preset replaces it when no other place is free.
     Unreadable,
     Saved(ShortName, Settings),
-}
-
-/// [`Name`] that can be copied.
-type ShortName = ([u8; 24], u8);
-
-fn short(name: &str) -> Option<ShortName> {
-    let good = |b: u8| matches!(b, b'a'..=b'z' | b'0'..=b'9' | b'_' | b'-');
-    let mut bytes = [0; 24];
-    bytes.get_mut(..name.len())?.copy_from_slice(name.as_bytes());
-    (!name.is_empty() && name.bytes().all(good)).then_some((bytes, name.len() as u8))
-}
-
-fn long((bytes, length): &ShortName) -> &str {
-    bytes.get(..usize::from(*length)).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("")
 }
 
 impl Place {
@@ -98,7 +82,7 @@ impl Place {
     }
 }
 
-/// The built-in presets, the saved ones, and the one that was identified.
+/// Built-in presets, saved presets, and the identified one.
 #[derive(Debug, Clone, Default)]
 pub struct PresetStore {
     places: [Place; MAX_SAVED],
@@ -107,13 +91,13 @@ pub struct PresetStore {
 }
 
 impl PresetStore {
-    /// Only the built-in ones.
+    /// A store with the built-in presets only.
     #[must_use]
     pub const fn new() -> Self {
         Self { places: [Place::Free; MAX_SAVED], default: None, identified: None }
     }
 
-    /// All names, the built-in ones first.
+    /// All names, built-in presets first.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let built_in = Settings::PRESETS.iter().map(|(name, _)| *name);
         let saved = self.places.iter().filter_map(Place::name);
@@ -121,7 +105,7 @@ impl PresetStore {
         built_in.chain(saved).chain(identified.then_some(IDENTIFIED))
     }
 
-    /// Places that hold something this firmware cannot read.
+    /// Number of places with an item that this firmware cannot read.
     #[must_use]
     pub fn unreadable(&self) -> usize {
         self.places.iter().filter(|place| matches!(place, Place::Unreadable)).count()
@@ -131,10 +115,10 @@ impl PresetStore {
         self.places.iter().position(|place| place.name() == Some(name))
     }
 
-    /// The preset of this name.
+    /// The preset with this name.
     ///
     /// # Errors
-    /// There is none.
+    /// [`PresetError::NotThere`] for an unknown name.
     pub fn find<'a>(&self, name: &'a str) -> Result<Settings, PresetError<'a>> {
         if let (IDENTIFIED, Some(settings)) = (name, self.identified) {
             return Ok(settings);
@@ -146,15 +130,15 @@ impl PresetStore {
         }
     }
 
-    /// Keeps what was identified, under the name [`IDENTIFIED`], until the device restarts.
+    /// Keeps identified settings under the name [`IDENTIFIED`] until the device restarts.
     pub fn set_identified(&mut self, settings: &Settings) {
         self.identified = Some(*settings);
     }
 
-    /// To save under a name; an earlier preset of that name is replaced.
+    /// The change that saves settings under a name, replacing an earlier preset of that name.
     ///
     /// # Errors
-    /// The name is built in or is no name, or there is no room.
+    /// The name is built in or invalid, or no place is free.
     pub fn save<'a>(&self, name: &'a str, settings: &Settings) -> Result<Change, PresetError<'a>> {
         if Settings::preset(name).is_some() {
             return Err(PresetError::BuiltIn(name));
@@ -166,10 +150,10 @@ impl PresetStore {
         Ok(Change::save(at.ok_or(PresetError::Full)?, key, *settings))
     }
 
-    /// To delete a saved preset. One that is only in memory is gone at once, and there is no change to store.
+    /// The change that deletes a saved preset. A preset in memory is deleted at once, without a change.
     ///
     /// # Errors
-    /// It is built in, or not there.
+    /// The preset is built in or unknown.
     pub fn delete<'a>(&mut self, name: &'a str) -> Result<Option<Change>, PresetError<'a>> {
         if Settings::preset(name).is_some() {
             return Err(PresetError::BuiltIn(name));
@@ -181,10 +165,10 @@ impl PresetStore {
         }
     }
 
-    /// To use a built-in or saved preset after a start.
+    /// The change that makes a built-in or saved preset the default.
     ///
     /// # Errors
-    /// There is no such preset, or it is not saved.
+    /// The preset is unknown or not saved.
     pub fn set_default<'a>(&self, name: &'a str) -> Result<Change, PresetError<'a>> {
         self.find(name)?;
         let lasts = self.place(name).is_some() || Settings::preset(name).is_some();
@@ -192,13 +176,13 @@ impl PresetStore {
         Ok(Change::default(Some(key)))
     }
 
-    /// Name of the preset used after a start.
+    /// Name of the preset used after a restart.
     #[must_use]
     pub fn default_name(&self) -> Option<&str> {
         self.default.as_ref().map(long)
     }
 
-    /// A change is stored. Another one may have to follow: the default is gone when its preset is.
+    /// Applies a change that was stored. Returns a change that must follow: a deleted preset cannot be the default.
     pub fn commit(&mut self, change: Change) -> Option<Change> {
         let (at, item) = change.into_parts();
         match (item, at) {
@@ -225,14 +209,14 @@ impl PresetStore {
         }
     }
 
-    /// The default names no preset: power went between the two steps of deleting it.
+    /// Whether the default names a missing preset: power was cut between the two steps of a deletion.
     fn dangling(&self) -> Option<Change> {
         let name = self.default_name()?;
         (self.place(name).is_none() && Settings::preset(name).is_none()).then(|| Change::default(None))
     }
 
-    /// Takes over an item that was stored before the restart; a later one of the same key replaces it. What cannot be
-    /// read is counted by [`Self::unreadable`].
+    /// Loads an item stored before the restart. A later item with the same key replaces it. [`Self::unreadable`] counts
+    /// items that cannot be read.
     pub fn load(&mut self, key: u8, bytes: &[u8]) {
         match (Item::decode(bytes), key) {
             (Some(Item::Default(name)), DEFAULT_KEY) => self.default = name,
@@ -240,14 +224,14 @@ impl PresetStore {
                 self.put(key, Place::Saved(name, settings));
             }
             (Some(Item::Empty), key) => self.put(key, Place::Free),
-            // a default in another format is none
+            // a default in another format is ignored
             (_, DEFAULT_KEY) => self.default = None,
             (_, key) => self.put(key, Place::Unreadable),
         }
     }
 
-    /// Everything is loaded. What has to be stored now, if power went in the middle of deleting the default preset;
-    /// until then that default is none.
+    /// Ends loading. Returns a change to store if power was cut during the deletion of the default preset; until it is
+    /// stored there is no default.
     pub fn loaded(&mut self) -> Option<Change> {
         let change = self.dangling();
         if change.is_some() {

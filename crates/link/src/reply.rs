@@ -1,9 +1,9 @@
-//! The form of an answer.
+//! Format of an answer.
 //!
-//! `ok …` or `err CODE: why`, one line. An answer that needs more lines says how many follow:
-//! `ok help, 31 lines:`, and each of those is indented by two blanks.
+//! One line, `ok …` or `err CODE: why`. A longer answer gives the number of lines that follow, `ok help, 31 lines:`, each
+//! indented by two spaces.
 
-/// Lines that follow this first line of an answer.
+/// Number of lines that follow this first line of an answer.
 ///
 /// ```
 /// assert_eq!(link::reply::lines_to_follow("ok help, 31 lines:"), 31);
@@ -15,13 +15,13 @@ pub fn lines_to_follow(first: &str) -> usize {
     count.and_then(|count| count.parse().ok()).unwrap_or(0)
 }
 
-/// The line is the (first) line of an answer: it begins with `ok` or `err`.
+/// Whether the line is the first line of an answer: it begins with `ok` or `err`.
 #[must_use]
 pub fn is_answer(line: &str) -> bool {
     matches!(line.split([' ', ',']).next(), Some("ok" | "err"))
 }
 
-/// The line is news nobody asked for.
+/// Whether the line is an unsolicited message.
 #[must_use]
 pub fn is_news(line: &str) -> bool {
     line.starts_with('!')

@@ -1,4 +1,4 @@
-//! Frames and text on one line, whole and mangled.
+//! Frames and text on one line, intact and corrupted.
 
 use haptics::Device;
 use link::{Channel, Corrupt, Decoder, Frame, Header, Item, MAX_WIRE, Sample, encode};
@@ -22,7 +22,7 @@ fn sample() -> impl Strategy<Value = Sample> {
     })
 }
 
-/// Owned, so that a run can be compared.
+/// An owned item, for comparison.
 #[derive(Debug, PartialEq)]
 enum Got {
     Text(String),

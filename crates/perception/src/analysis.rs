@@ -1,4 +1,4 @@
-//! What the targeting task says: each subject against its own baseline, and the throughput of ISO 9241-411.
+//! Analysis of the targeting task: each subject against its own baseline, and throughput [iso-9241-411, annex B].
 
 use crate::log::Session;
 use crate::record::{Record, TargetingTrial};
@@ -6,14 +6,14 @@ use crate::stimulus::Resistance;
 use crate::targeting_plan::TABLE_5_1;
 use serde::Serialize;
 
-/// Changes from which on the thesis calls a subject better or worse (ch. 5.4.1).
+/// Smallest changes that count as better or worse [thesis, ch. 5.4.1].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
-    /// Completion time, s: more than this.
+    /// Change of the completion time, s; a larger one counts.
     pub time_s: f64,
-    /// Errors: at least this many.
+    /// Change of the number of errors; this one counts.
     pub errors: f64,
-    /// Mean error magnitude, mm: at least this.
+    /// Change of the mean error magnitude, mm; this one counts.
     pub error_mm: f64,
 }
 
@@ -22,18 +22,18 @@ impl Margins {
     pub const THESIS: Self = Self { time_s: 0.5, errors: 1.0, error_mm: 1.0 };
 }
 
-/// A finished segment, with who did it.
+/// A finished segment with its subject.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scored<'a> {
     /// Label.
     pub subject: &'a str,
-    /// A model did.
+    /// Whether the subject is simulated.
     pub simulated: bool,
     /// The segment.
     pub trial: &'a TargetingTrial,
 }
 
-/// All segments that count: practice does not.
+/// All segments except practice.
 #[must_use]
 pub fn segments(sessions: &[Session]) -> Vec<Scored<'_>> {
     let mut all = Vec::new();
@@ -50,28 +50,28 @@ pub fn segments(sessions: &[Session]) -> Vec<Scored<'_>> {
     all
 }
 
-/// A segment less the same subject's baseline of the same index.
+/// Difference between a segment and the baseline of the same subject and index.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Difference {
     /// Label.
     pub subject: String,
-    /// A model did.
+    /// Whether the subject is simulated.
     pub simulated: bool,
-    /// What resisted.
+    /// Resistance.
     pub resistance: Resistance,
-    /// Number in table 5-1.
+    /// Number in [thesis, table 5-1].
     pub index: u32,
-    /// s; negative is faster.
+    /// Change of the completion time, s. Negative is faster.
     pub time_s: f64,
-    /// Fewer is negative.
+    /// Change of the number of errors. Negative is fewer.
     pub errors: f64,
-    /// Mean error magnitude, mm.
+    /// Change of the mean error magnitude, mm.
     pub error_mm: f64,
-    /// Of the baseline, s.
+    /// Completion time of the baseline, s.
     pub baseline_s: f64,
 }
 
-/// Every segment against its baseline; those without one are left out.
+/// Every segment against its baseline. Segments without a baseline are left out.
 #[must_use]
 pub fn differences(segments: &[Scored<'_>]) -> Vec<Difference> {
     let baseline = |of: &Scored<'_>| {
@@ -97,37 +97,37 @@ pub fn differences(segments: &[Scored<'_>]) -> Vec<Difference> {
         .collect()
 }
 
-/// One cell of tables 5-7 to 5-9.
+/// One cell of [thesis, table 5-7 to 5-9].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Count {
-    /// Subjects that did better.
+    /// Number of subjects that did better.
     pub better: usize,
-    /// Subjects that did worse.
+    /// Number of subjects that did worse.
     pub worse: usize,
 }
 
-/// One row of the three tables, for one resistance.
+/// A row of [thesis, table 5-7 to 5-9] for one resistance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Counts {
-    /// Number in table 5-1.
+    /// Number in [thesis, table 5-1].
     pub index: u32,
-    /// What resisted.
+    /// Resistance.
     pub resistance: Resistance,
-    /// Subjects compared.
+    /// Number of subjects compared.
     pub subjects: usize,
-    /// Table 5-7.
+    /// Completion time [thesis, table 5-7].
     pub time: Count,
-    /// Table 5-8.
+    /// Number of errors [thesis, table 5-8].
     pub errors: Count,
-    /// Table 5-9.
+    /// Error magnitude [thesis, table 5-9].
     pub error_mm: Count,
     /// Mean change of the completion time, as a share of the mean baseline.
     pub slower: f64,
-    /// Mean change in errors.
+    /// Mean change of the number of errors.
     pub more_errors: f64,
 }
 
-/// Tables 5-7 to 5-9.
+/// Counts as in [thesis, table 5-7 to 5-9].
 #[must_use]
 pub fn counts(differences: &[Difference], margins: &Margins) -> Vec<Counts> {
     let mut all = Vec::new();
@@ -160,27 +160,27 @@ pub fn counts(differences: &[Difference], margins: &Margins) -> Vec<Counts> {
     all
 }
 
-/// Throughput of one segment (ISO 9241-411, annex B): one click ends a movement, whether it hit or not.
+/// Throughput of one segment [iso-9241-411, annex B]. A click ends a movement, whether it hit or missed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Throughput {
-    /// Movements, the one from wherever the hand was left out.
+    /// Number of movements, without the first, which begins anywhere.
     pub movements: usize,
-    /// Effective width W_e = 4.133 standard deviations of where clicks fell along the movement, mm of handle travel.
+    /// Effective width W_e, 4.133 standard deviations of the clicks along the movement, mm of handle travel.
     pub effective_width_mm: f64,
-    /// Mean distance really moved A_e, mm.
+    /// Mean distance moved A_e, mm.
     pub effective_distance_mm: f64,
     /// Effective index of difficulty log₂(A_e/W_e + 1), bits.
     pub effective_bits: f64,
     /// Mean movement time, s.
     pub movement_s: f64,
-    /// ID_e over movement time, bits/s.
+    /// Throughput, ID_e over movement time, bit/s.
     pub bits_per_s: f64,
 }
 
-/// Throughput of a segment; nothing with fewer than three movements or clicks that all fell on one spot.
+/// Throughput of a segment. `None` with fewer than three movements, or if all clicks are at one place.
 #[must_use]
 pub fn throughput(trial: &TargetingTrial) -> Option<Throughput> {
-    // the first click on each target, and when the movement to it began: at the valid click before
+    // the first click on each target, and the start of its movement: the previous valid click
     let mut moves = Vec::new();
     let mut from: Option<(f64, f64)> = None;
     let mut ended = false;
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn better_and_worse_by_the_thesis_s_margins() {
+    fn margins_decide_better_and_worse() {
         let sessions: Vec<Session> = [(5.4, 0), (5.6, 1), (4.4, 0), (4.5, 2)]
             .iter()
             .enumerate()
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn throughput_of_a_segment_by_hand() {
+    fn throughput_matches_a_hand_calculation() {
         // clicks at −3, 0 and +3 px about the centre in turn: by hand, and with the side taken into account
         let t = throughput(&trial(Resistance::Baseline, 8.0, 0)).expect("seven movements");
         println!("{t:?}");

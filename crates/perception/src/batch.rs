@@ -1,9 +1,9 @@
-//! Batches of the forced choice: the printed ones, one's own, and adaptive ones.
+//! Batches of the forced choice: printed, user-defined and adaptive.
 
 use crate::stimulus::Stimulus;
 use serde::{Deserialize, Serialize};
 
-/// Which levels differ from the reference, and to which side.
+/// Levels that differ from the reference, and the sign of the difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Varied {
@@ -16,7 +16,7 @@ pub enum Varied {
 }
 
 impl Varied {
-    /// The reference with its levels changed by `difference` N.
+    /// The reference with its levels changed by `difference`, N.
     #[must_use]
     pub fn apply(self, reference: &Stimulus, difference: f64) -> Stimulus {
         let (s, d) = (reference.f_static, reference.f_dynamic);
@@ -28,43 +28,43 @@ impl Varied {
     }
 }
 
-/// How the levels are chosen.
+/// Choice of the levels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "procedure", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Procedure {
-    /// Method of constant stimuli: each comparison once a round, in random order.
+    /// Method of constant stimuli: each comparison once per round, in random order.
     Constant {
-        /// What is compared with the reference.
+        /// Blocks compared with the reference.
         comparisons: Vec<Stimulus>,
-        /// How often each.
+        /// Number of rounds.
         rounds: usize,
     },
-    /// QUEST+: each difference where the answer is expected to tell most.
+    /// QUEST+ [watson-2017]: presents the difference with the most informative expected answer.
     Adaptive {
-        /// What differs.
+        /// Levels that differ.
         varied: Varied,
-        /// Smallest and largest difference it may choose, N.
+        /// Smallest and largest difference, N.
         range_n: (f64, f64),
-        /// Answers at most.
+        /// Largest number of answers.
         trials: usize,
-        /// It ends earlier once the 95 % interval of the JND spans less than this factor.
+        /// Ratio of the limits of the 95 % interval of the JND at which the batch ends early.
         enough: f64,
     },
 }
 
-/// A batch: one reference and what is compared with it.
+/// A batch: one reference and its comparisons.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Batch {
-    /// As in reports.
+    /// Name in reports.
     pub name: String,
     /// Baseline of every trial.
     pub reference: Stimulus,
-    /// How its levels are chosen.
+    /// Choice of the levels.
     pub procedure: Procedure,
 }
 
-/// Difference between two blocks in the friction that differs more, N.
+/// Larger of the differences in static and dynamic friction, N.
 #[must_use]
 pub(crate) fn difference(reference: &Stimulus, comparison: &Stimulus) -> f64 {
     let by_static = (comparison.f_static - reference.f_static).abs();
@@ -73,7 +73,7 @@ pub(crate) fn difference(reference: &Stimulus, comparison: &Stimulus) -> f64 {
 }
 
 impl Batch {
-    /// Batch 1, 2 or 3 with the levels of tables 5-4, 5-5 and 5-6, two rounds of five (ch. 5.3.2).
+    /// Batch 1, 2 or 3 with the levels of [thesis, table 5-4, 5-5 and 5-6], two rounds of five [thesis, ch. 5.3.2].
     #[must_use]
     pub fn printed(number: usize) -> Option<Self> {
         let reference = Stimulus::REFERENCE;
@@ -87,8 +87,8 @@ impl Batch {
         Some(Self { name: format!("batch {number}"), reference, procedure })
     }
 
-    /// The same question as printed batch 1, 2 or 3, its levels chosen by QUEST+. The range goes beyond the printed
-    /// levels, so that the JND of batch 2, which they do not reach, is within it.
+    /// Batch 1, 2 or 3 with levels chosen by QUEST+. The range extends beyond the printed levels, so that it includes the
+    /// JND of batch 2, which they do not reach.
     #[must_use]
     pub fn adaptive(number: usize) -> Option<Self> {
         let (varied, range_n) = match number {
@@ -101,10 +101,10 @@ impl Batch {
         Some(Self { name: format!("batch {number} adaptive"), reference: Stimulus::REFERENCE, procedure })
     }
 
-    /// What cannot be presented.
+    /// Checks that everything can be presented.
     ///
     /// # Errors
-    /// Batch, parameter, value and what would be accepted.
+    /// Batch, parameter, value and accepted range.
     pub fn validate(&self) -> Result<(), String> {
         let named = |what: String| format!("batch `{}`: {what}", self.name);
         self.reference.validate().map_err(|e| named(format!("reference: {e}")))?;
@@ -147,8 +147,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_printed_level_exactly() {
-        // (F_s, F_d) as tables 5-4, 5-5 and 5-6 print them
+    fn printed_levels_are_exact() {
+        // (F_s, F_d) as [thesis, table 5-4, 5-5 and 5-6] print them
         let printed: [[(f64, f64); 5]; 3] = [
             [(2.03, 2.03), (2.08, 2.08), (2.1, 2.1), (2.5, 2.5), (3.1, 3.1)],
             [(2.2, 2.0), (2.6, 2.0), (3.0, 2.0), (3.5, 2.0), (4.0, 2.0)],
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_comparison_equal_to_the_reference_is_refused() {
+    fn a_comparison_equal_to_the_reference_is_rejected() {
         let mut batch = Batch::printed(1).expect("a printed batch");
         batch.procedure = Procedure::Constant { comparisons: vec![Stimulus::REFERENCE], rounds: 1 };
         assert!(batch.validate().is_err_and(|e| e.contains("comparison 1")));

@@ -1,73 +1,72 @@
-//! A psychometric function from answers: the just noticeable difference with an interval, or why there is none.
+//! Fit of a psychometric function: the just noticeable difference with an interval, or the reason why there is none.
 //!
-//! Bayes on a grid over JND, slope and lapse rate, as psignifit does (Schütt and others 2016): what is not of interest is
-//! summed over instead of fixed, so the interval knows that slope and lapse rate are not known either. The prior on
-//! the JND is the same for every factor, far beyond the levels that were presented.
+//! Bayesian inference on a grid over JND, slope and lapse rate [schuett-2016]. Slope and lapse rate are marginalised, so the
+//! interval includes their uncertainty. The prior of the JND is uniform in its logarithm, far beyond the presented levels.
 
 use crate::psychometric::Psychometric;
 use serde::{Deserialize, Serialize};
 
-/// Right answers to one difference.
+/// Answers to one difference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// Difference, N.
     pub difference_n: f64,
-    /// Right answers.
+    /// Number of correct answers.
     pub correct: u32,
-    /// Answers.
+    /// Number of answers.
     pub answers: u32,
 }
 
-/// What the answers say.
+/// Threshold of a psychometric function.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum Threshold {
-    /// The levels reach the JND.
+    /// The levels enclose the JND.
     Estimated {
-        /// Median of its posterior, N.
+        /// Median of the posterior, N.
         jnd: f64,
         /// 95 % interval, N.
         ci95: (f64, f64),
     },
-    /// The JND lies above every level, or may: it cannot be estimated from these levels.
+    /// The JND may lie above every level: it cannot be estimated from these levels.
     AboveLevels {
         /// Largest level, N.
         largest: f64,
-        /// With 95 % probability it is larger than this, N.
+        /// Lower bound of the JND with 95 % probability, N.
         at_least: f64,
     },
-    /// The JND lies below every level, or may.
+    /// The JND may lie below every level.
     BelowLevels {
         /// Smallest level, N.
         smallest: f64,
-        /// With 95 % probability it is smaller than this, N.
+        /// Upper bound of the JND with 95 % probability, N.
         at_most: f64,
     },
-    /// So few answers that it may lie beyond the levels on either side.
+    /// Too few answers: the JND may lie beyond the levels on either side.
     TooFew,
 }
 
 /// A fitted psychometric function.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
-    /// The JND, or why there is none.
+    /// The JND, or the reason why there is none.
     pub threshold: Threshold,
-    /// Medians of the posterior: the curve to draw. Its JND is no result where [`Self::threshold`] says so.
+    /// Medians of the posterior: the curve to draw. Its JND is a result only if [`Self::threshold`] is one.
     pub curve: Psychometric,
-    /// Deviance of that curve against the levels' own shares.
+    /// Deviance of that curve from the observed shares.
     pub deviance: f64,
-    /// What was fitted.
+    /// The fitted answers.
     pub levels: Vec<Level>,
 }
 
-/// Probability that the JND may have beyond the levels on one side, before it is no estimate any more.
-const BEYOND: f64 = 0.05;
-/// Cells over JND, slope and lapse rate: a coarse look, then a fine one where the coarse found anything.
+/// Largest probability of a JND beyond the levels on one side that still gives an estimate.
+const MAX_OUTSIDE: f64 = 0.05;
+/// Cells over JND, slope and lapse rate: a coarse grid, then a fine one where the coarse posterior has mass.
 const COARSE: [usize; 3] = [61, 9, 4];
 const FINE: [usize; 3] = [91, 13, 6];
-/// Share of the posterior, either side, that the fine look may miss.
+/// Share of the posterior on each side that the fine grid may miss.
 const MISSED: f64 = 1e-5;
-/// The grid reaches this factor beyond the levels.
+/// Factor by which the grid extends beyond the levels.
 const REACH: f64 = 20.0;
 
 /// Answers by difference, smallest first.
@@ -92,7 +91,7 @@ pub fn levels(answers: impl IntoIterator<Item = (f64, bool)>) -> Vec<Level> {
 }
 
 impl Fit {
-    /// Fits; nothing where no difference above zero was answered.
+    /// Fits the answers. `None` without an answer to a difference above zero.
     #[must_use]
     pub fn new(levels: &[Level]) -> Option<Self> {
         let levels: Vec<Level> =
@@ -107,8 +106,8 @@ impl Fit {
         let mass = |test: &dyn Fn(f64) -> bool| -> f64 {
             jnds.iter().zip(&of_jnd).filter(|(jnd, _)| test(**jnd)).map(|(_, p)| p).sum()
         };
-        let above = mass(&|jnd| jnd > largest) > BEYOND;
-        let below = mass(&|jnd| jnd < smallest) > BEYOND;
+        let above = mass(&|jnd| jnd > largest) > MAX_OUTSIDE;
+        let below = mass(&|jnd| jnd < smallest) > MAX_OUTSIDE;
         let threshold = match (above, below) {
             (false, false) => Threshold::Estimated { jnd: q(0.5), ci95: (q(0.025), q(0.975)) },
             (true, false) => Threshold::AboveLevels { largest, at_least: q(0.05) },
@@ -123,12 +122,12 @@ impl Fit {
     }
 }
 
-/// On a grid.
+/// Posterior on a grid.
 struct Posterior {
     jnds: Vec<f64>,
     slopes: Vec<f64>,
     lapses: Vec<f64>,
-    /// JND slowest, lapse rate fastest.
+    /// Probabilities, JND slowest, lapse rate fastest.
     density: Vec<f64>,
 }
 
@@ -138,7 +137,7 @@ impl Posterior {
             (0..n).map(|k| low * (high / low).powf(k as f64 / (n - 1) as f64)).collect()
         };
         let jnds = axis(low, high, jnds);
-        // 0.6 is flatter, 8 steeper than any sense is known to be
+        // slopes of human senses are known to lie within 0.6 and 8
         let slopes = axis(0.6, 8.0, slopes);
         let lapses: Vec<f64> = (0..lapses).map(|k| 0.12 * k as f64 / (lapses - 1) as f64).collect();
         let mut density = Vec::with_capacity(jnds.len() * slopes.len() * lapses.len());
@@ -167,7 +166,7 @@ impl Posterior {
         sums
     }
 
-    /// JNDs between which nearly all of it lies, with a cell to spare.
+    /// Range of JNDs with nearly all of the posterior, plus a cell.
     fn found(&self) -> (f64, f64) {
         let [of_jnd, ..] = self.marginals();
         let step = self.jnds[1] / self.jnds[0];
@@ -175,7 +174,7 @@ impl Posterior {
     }
 }
 
-/// Slopes around 1.8 within a factor of 1.8; few answers lapse.
+/// Prior: slopes within a factor of 1.8 around 1.8, few lapses.
 fn prior(slope: f64, lapse: f64) -> f64 {
     -0.5 * ((slope / 1.8).ln() / 1.8_f64.ln()).powi(2) - lapse / 0.03
 }
@@ -189,7 +188,7 @@ fn term(p: f64, level: &Level) -> f64 {
     log(level.correct, p) + log(level.answers - level.correct, 1.0 - p)
 }
 
-/// On a grid of equal factors, with the mass of a cell spread over it.
+/// Quantile on a grid of equal factors, with the mass of a cell spread over it.
 fn quantile(grid: &[f64], mass: &[f64], q: f64) -> f64 {
     let step = (grid[1] / grid[0]).ln();
     let mut sum = 0.0;
@@ -218,8 +217,8 @@ mod tests {
         not: usize,
     }
 
-    /// Estimates of 200 observers for each seed, from 0.25 to 1.6 N, whose answers come from noise on what is felt, not
-    /// from a Weibull function; `ask` presents and answers.
+    /// Estimates of 200 observers for each seed, with JNDs from 0.25 to 1.6 N. Their answers come from noise on the percept,
+    /// not from a Weibull function. `ask` presents and answers.
     fn recover(
         what: &str,
         seeds: &[u64],
@@ -265,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn two_hundred_observers_of_known_jnd_constant_stimuli() {
+    fn constant_stimuli_recover_known_jnds() {
         for seed in [101, 202] {
             let found = recover("constant stimuli, 7 levels × 40", &[seed], |observer, _, rng| {
                 let differences = (0..7).map(|k| 0.1 * 50.0_f64.powf(f64::from(k) / 6.0));
@@ -279,7 +278,7 @@ mod tests {
 
     #[test]
     fn quest_plus_needs_fewer_answers() {
-        // 200 observers tell a coverage of 97 % from one of 99 % in one draw of two only
+        // with 200 observers one draw of two cannot separate a coverage of 97 % from 99 %
         let quest = recover("QUEST+, 80 answers", &[303, 304, 305], |observer, _, rng| {
             let mut quest = QuestPlus::new((0.02, 6.0));
             let mut answers = Vec::new();
@@ -313,8 +312,8 @@ mod tests {
     }
 
     #[test]
-    fn levels_that_do_not_reach_the_jnd_give_no_estimate() {
-        // as batch 2: nobody gets three of four right
+    fn levels_below_the_jnd_give_no_estimate() {
+        // like batch 2: nobody answers three of four correctly
         let of = |shares: &[(f64, u32)]| {
             let all: Vec<Level> =
                 shares.iter().map(|&(x, correct)| Level { difference_n: x, correct, answers: 38 }).collect();

@@ -1,4 +1,4 @@
-//! A simulated hand at the targeting task, on the simulated device with the device's own renderer.
+//! A simulated hand in the targeting task, on the simulated device with the real renderer.
 //!
 //! ```text
 //!  target ──> planned submovement ──> desired path ──> spring, damper, learnt friction and mass ──> muscle ──> handle
@@ -7,8 +7,8 @@
 //!     └────────────── seen 100 ms late, with noise ───────── correct, or click ──────────────────────────────┘
 //! ```
 //!
-//! Nothing in it knows Fitts's law or what friction ought to do to a time or an error rate: friction acts on the handle
-//! alone. What is assumed is stated in [`HandModel`]; each subject's numbers are drawn around these.
+//! The model contains neither Fitts's law [fitts-1954] nor any effect of friction on time or errors: friction acts only on
+//! the handle. [`HandModel`] states every assumption; the parameters of a subject are drawn around it.
 
 use crate::record::TargetingTrial;
 use crate::stimulus::{Resistance, Stimulus};
@@ -23,12 +23,12 @@ use std::collections::VecDeque;
 
 /// Time step of hand and control, s.
 const DT: f64 = 1e-3;
-/// A segment that takes longer than this is given up, s.
+/// Longest segment, s; a longer one is aborted.
 const PATIENCE: f64 = 120.0;
 
-/// What a simulated hand is made of. The defaults are round numbers of the size that the literature on reaching reports
-/// for a wrist and forearm. They are not fitted to the thesis: what was changed once, stiffness, damping and the shortest
-/// submovement, was changed because the hand never finished a segment, before any two resistances were compared.
+/// Parameters of a simulated hand. The defaults are round numbers of the size reported for reaches of wrist and forearm. They
+/// are not fitted to the results of [thesis, ch. 5.4]: stiffness, damping and the shortest submovement were changed once,
+/// because the hand never finished a segment, and before any two resistances were compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandModel {
     /// Mass that moves with the handle, kg.
@@ -47,21 +47,21 @@ pub struct HandModel {
     pub aim_noise: f64,
     /// Standard deviation of the seen position, pixels.
     pub sight_noise_px: f64,
-    /// From handle to sight, s.
+    /// Delay from handle to sight, s.
     pub sight_delay_s: f64,
-    /// From motion of the handle to its being felt, s.
+    /// Delay from motion of the handle to its perception, s.
     pub touch_delay_s: f64,
-    /// From the decision to click to the click, s.
+    /// Delay from the decision to the click, s.
     pub click_delay_s: f64,
-    /// Duration of a submovement of 1 mm, s; it grows with the root of the length.
+    /// Duration of a submovement of 1 mm, s. Grows with the square root of the length.
     pub pace_s: f64,
     /// Shortest submovement, s.
     pub shortest_s: f64,
-    /// Distance from the rim inside which it dares to click, pixels.
+    /// Smallest distance from the rim for a click, pixels.
     pub caution_px: f64,
-    /// How fast a push that does not move the handle grows, N/s.
+    /// Growth of a push that does not move the handle, N/s.
     pub push_rate: f64,
-    /// Share of friction and mass that was learnt in practice.
+    /// Share of friction and mass learnt in practice.
     pub learnt: f64,
 }
 
@@ -89,7 +89,7 @@ impl Default for HandModel {
 }
 
 impl HandModel {
-    /// A subject: every parameter within a fifth or so of the default, by its seed.
+    /// A subject: every parameter drawn from the seed within about a fifth of the default.
     #[must_use]
     pub fn drawn(seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -118,7 +118,7 @@ impl HandModel {
         }
     }
 
-    /// Name and value of every parameter, for the file.
+    /// Names and values of all parameters, for the session's file.
     #[must_use]
     pub fn parameters(&self) -> Vec<(String, f64)> {
         [
@@ -144,17 +144,17 @@ impl HandModel {
     }
 }
 
-/// The device under one resistance: rig, sensors, and the control step that renders.
+/// The device under one resistance: rig, sensors and control step.
 struct Bench {
     rig: Rig<Law<f64>>,
     control: Control,
     force: f64,
     begun: bool,
-    /// Static and dynamic friction, N, damping, N·s/m, and mass, kg, as they are felt.
+    /// Static and dynamic friction, N, damping, N·s/m, and mass, kg, as perceived.
     felt: [f64; 4],
 }
 
-/// The thesis's perception apparatus at rest: about 0.8 N and 1.4 kg (table 5-2).
+/// Apparatus of the targeting task: about 0.8 N and 1.4 kg [thesis, table 5-2].
 const OWN_FRICTION: f64 = 0.8;
 const OWN_MASS: f64 = 1.4;
 
@@ -217,7 +217,7 @@ impl Bench {
         let out = self.control.step(request.as_ref(), &inputs);
         self.begun = true;
         if out.fault.is_some() {
-            // as a person would: clear it and go on
+            // clears the fault and continues, as a person would
             self.control.step(Some(&Request::ClearFault), &inputs);
             self.begun = false;
         }
@@ -274,10 +274,10 @@ impl Reach {
     }
 }
 
-/// Does the segment that `task` presents; its trial.
+/// Performs the segment that `task` presents, and returns its trial.
 ///
 /// # Errors
-/// There is none to do; the rig or the renderer refuses the resistance; the hand never gets there.
+/// The session is complete, the rig or the renderer rejects the resistance, or the hand never reaches the target.
 pub fn reach(task: &mut Targeting, model: &HandModel, seed: u64) -> Result<TargetingTrial, String> {
     let segment = task.next().ok_or("the session is complete")?;
     let scale = task.plan().metre_per_px;
@@ -293,9 +293,9 @@ pub fn reach(task: &mut Targeting, model: &HandModel, seed: u64) -> Result<Targe
     let mut past: VecDeque<(f64, f64)> = VecDeque::from(vec![(start, 0.0); sight.max(touch) + 1]);
     let mut planned = Reach { from: start, to: start, begins: 0.0, lasts: DT };
     let mut clicks_at: Option<f64> = None;
-    // looks again when the last reach has been seen to its end
+    // next look: the last reach was seen to its end
     let mut looks_at = 0.0;
-    // the last reach moved the handle; it did not, and is helped
+    // whether the last reach moved the handle; if not, a push follows
     let (mut moved, mut pushing) = (true, false);
     let (mut searching, mut muscle, mut shake, mut tremble) = (0.0, 0.0, 0.0, 0.0);
     let keep = (-DT / model.muscle_s).exp();
@@ -314,7 +314,7 @@ pub fn reach(task: &mut Targeting, model: &HandModel, seed: u64) -> Result<Targe
             match task.click(t, here) {
                 Some(Event::Finished(trial)) => return Ok(trial),
                 Some(Event::Valid) => (looks_at, moved) = (t, true),
-                // seen as a miss when the eye gets it
+                // seen as a miss after the delay of the eye
                 _ => (looks_at, moved) = (t + model.sight_delay_s, true),
             }
             continue;
@@ -323,10 +323,10 @@ pub fn reach(task: &mut Targeting, model: &HandModel, seed: u64) -> Result<Targe
             let see = seen.0 + model.sight_noise_px * scale * normal();
             let off = target - see;
             let dares = off.abs() <= (half - model.caution_px * scale).max(0.5 * half);
-            // slow enough not to leave the target before the finger has moved
+            // slow enough to stay in the target until the finger has moved
             let stays = seen.1.abs() * (model.sight_delay_s + model.click_delay_s) < half;
             if !dares && !moved && !pushing {
-                // the reach moved nothing: push until it gives
+                // the reach moved nothing: push until the handle moves
                 pushing = true;
             }
             if pushing && !dares {
@@ -337,7 +337,7 @@ pub fn reach(task: &mut Targeting, model: &HandModel, seed: u64) -> Result<Targe
                 looks_at = t + 0.02;
             } else {
                 let end = planned.to + off + model.aim_noise * off * normal();
-                // a hand does not press on a spring further than it wants to go
+                // a hand does not compress a spring beyond its target
                 let end = end.clamp(see + off - 0.012, see + off + 0.012);
                 let lasts = (model.pace_s * (off.abs() * 1e3).sqrt()).max(model.shortest_s);
                 planned = Reach { from: arm.to, to: end, begins: t, lasts };
@@ -347,10 +347,10 @@ pub fn reach(task: &mut Targeting, model: &HandModel, seed: u64) -> Result<Targe
         }
         let (x, v, a) = planned.at(t);
         (arm.to, arm.speed) = (x, v);
-        // friction that was learnt, in the direction it wants to go: the static one until motion is felt
+        // learnt friction in the intended direction: the static level until motion is felt
         let level = if moving { f_dynamic } else { f_static };
         let learnt = model.learnt * (level * (v / 5e-3).tanh() + damping * v + mass * a);
-        // a push that moves nothing grows, and lets go when motion is felt
+        // a push without motion grows, and ends when motion is felt
         moved |= moving;
         if pushing && !moving {
             searching += model.push_rate * (target - seen.0).signum() * DT;

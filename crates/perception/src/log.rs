@@ -1,41 +1,41 @@
-//! A session's file: a header line, then one JSON line a finished trial, on disk before the next begins.
+//! A session's file: a header line, then one JSON line per finished trial, on disk before the next trial begins.
 
 use crate::record::{Experiment, Header, Record, SCHEMA};
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Why a session's file cannot be used.
+/// Reason why a session's file is unusable.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
-    /// The file system says no.
+    /// Error of the file system.
     #[error("{path}: {source}")]
     Io {
         /// File.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         source: std::io::Error,
     },
-    /// A line is not what it should be.
+    /// Invalid line.
     #[error("{path}:{line}: {why}")]
     Line {
         /// File.
         path: PathBuf,
-        /// From 1.
+        /// Number of the trial from 1.
         line: usize,
-        /// What is wrong, and what would be accepted.
+        /// Error, and what would be accepted.
         why: String,
     },
 }
 
-/// What a file holds.
+/// Contents of a session's file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Session {
-    /// First line.
+    /// Header, the first line.
     pub header: Header,
-    /// One a finished trial.
+    /// Records, one per finished trial.
     pub records: Vec<Record>,
-    /// The last line was cut off, as by a power cut; it is left out, and was no finished trial.
+    /// Whether the last line was cut off, for example by a power cut. It was no finished trial and is left out.
     pub cut_off: bool,
 }
 
@@ -47,7 +47,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// A new session. The folder's entry is on disk, too, when this returns.
+    /// Creates the file of a new session. File and directory entry are on disk when this returns.
     ///
     /// # Errors
     /// The file exists already, or cannot be written.
@@ -64,7 +64,7 @@ impl Log {
         Ok(log)
     }
 
-    /// A session that was begun: what it holds, and the file to go on with. A line that was cut off is taken away.
+    /// Resumes a session: its contents, and the open file. Removes a line that was cut off.
     ///
     /// # Errors
     /// The file cannot be read or written, or is not a session's.
@@ -81,17 +81,17 @@ impl Log {
         Ok((Self { path: path.to_owned(), file }, session))
     }
 
-    /// Keeps a finished trial: it is on disk when this returns.
+    /// Writes a finished trial. It is on disk when this returns.
     ///
     /// # Errors
-    /// It could not be written.
+    /// The file cannot be written.
     pub fn append(&mut self, record: &Record) -> Result<(), LogError> {
         let line = serde_json::to_string(record)
             .map_err(|e| LogError::Io { path: self.path.clone(), source: e.into() })?;
         self.write(&line)
     }
 
-    /// Where it is.
+    /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -117,7 +117,7 @@ impl Session {
     }
 }
 
-/// Bytes up to and with the last line break: what follows was not on disk whole, and may end within a letter.
+/// Bytes up to the last line break, inclusive. The rest was not written completely and may end within a character.
 fn whole(bytes: &[u8]) -> usize {
     bytes.iter().rposition(|&b| b == b'\n').map_or(0, |end| end + 1)
 }
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_cut_at_any_byte_keeps_every_trial_whose_line_was_whole() {
+    fn a_cut_file_keeps_every_complete_trial() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("session.jsonl");
         let plan = TargetingPlan::thesis(2);
@@ -197,7 +197,7 @@ mod tests {
         records.iter().for_each(|record| log.append(record).expect("kept"));
         let all = std::fs::read(&path).expect("bytes");
         let first = all.iter().position(|&b| b == b'\n').expect("a header");
-        // around the end of every line, and throughout
+        // around the end of every line, and elsewhere
         let near_an_end = |cut: usize| all[cut.saturating_sub(2)..all.len().min(cut + 2)].contains(&b'\n');
         for cut in (0..=all.len()).rev().filter(|&cut| near_an_end(cut) || cut % 41 == 0) {
             std::fs::write(&path, &all[..cut]).expect("written");
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_session_is_named_with_its_line() {
+    fn invalid_sessions_are_reported_with_their_line() {
         let dir = tempfile::tempdir().expect("a folder");
         let path = dir.path().join("s.jsonl");
         let head = serde_json::to_string(&header(TargetingPlan::thesis(1))).expect("text");

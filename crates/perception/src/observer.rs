@@ -1,20 +1,19 @@
-//! A simulated answer: which of two cases differs from the baseline, felt through noise that grows with the level.
+//! A simulated observer: which of two cases differs from the baseline, with noise that grows with the level.
 //!
-//! Of every case the observer has one noisy impression of the dynamic and one of the static friction, with a standard
-//! deviation of so many per cent of the level (Weber's law, ch. 5.3.2.2). It names the case whose impression is
-//! further from the baseline's, both cues together in units of their noise. For one cue, with σ the noise and Δ the
-//! difference, the chance of being right has a closed form, since (A − B) and (A + B − 2·baseline) are independent:
+//! The observer has one noisy impression of the dynamic and one of the static friction of each case, with a standard
+//! deviation proportional to the level (Weber's law, [thesis, ch. 5.3.2.2]). It names the case whose impression is further
+//! from that of the baseline, with both cues in units of their noise. For one cue with noise σ and difference Δ the
+//! probability of a correct answer has a closed form, because (A − B) and (A + B − 2·baseline) are independent:
 //!
 //! p = Φ(Δ/σ√2)·Φ(Δ/σ√6) + Φ(−Δ/σ√2)·Φ(−Δ/σ√6)
 
-use crate::forced_choice::{Case, Presentation};
+use crate::forced_choice_plan::{Answer, Case, Presentation};
 use crate::psychometric::AT_JND;
-use crate::record::Answer;
 use crate::stimulus::Stimulus;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-/// Level below which noise does not shrink any more, N: the unit of the device's own friction.
+/// Level below which the noise is constant, N.
 const FLOOR: f64 = 0.1;
 
 /// A simulated observer.
@@ -22,15 +21,15 @@ const FLOOR: f64 = 0.1;
 pub struct Observer {
     /// Standard deviation of an impression of dynamic friction, as a share of its level.
     pub weber_dynamic: f64,
-    /// Of static friction: a moment at each start, hence larger.
+    /// The same for static friction, which is felt only at each start and therefore larger.
     pub weber_static: f64,
-    /// Share of answers given without regard to what was felt.
+    /// Share of answers independent of the percept.
     pub lapse: f64,
 }
 
 impl Observer {
-    /// The observer that feels dynamic friction alone and whose JND for both levels raised from `reference` is `jnd` N,
-    /// lapses counted.
+    /// The observer of dynamic friction alone whose JND for both levels raised from `reference` is `jnd`, N, lapses
+    /// included.
     #[must_use]
     pub fn with_jnd(reference: &Stimulus, jnd: f64, lapse: f64) -> Self {
         let (mut low, mut high) = (1e-6, 1e3);
@@ -43,7 +42,7 @@ impl Observer {
         Self { weber_dynamic: low, weber_static: f64::INFINITY, lapse }
     }
 
-    /// Chance of naming the right case by dynamic friction alone.
+    /// Probability of a correct answer from dynamic friction alone.
     #[must_use]
     pub fn p_correct(&self, reference: &Stimulus, comparison: &Stimulus) -> f64 {
         let noise = self.weber_dynamic * reference.f_dynamic.max(FLOOR);
@@ -54,14 +53,14 @@ impl Observer {
         (1.0 - 2.0 * self.lapse) * felt + self.lapse
     }
 
-    /// Names a case.
+    /// Answer of the observer.
     pub fn answer<R: Rng>(&self, shown: &Presentation, rng: &mut R) -> Answer {
         let coin = |rng: &mut R| if rng.random_bool(0.5) { Answer::A } else { Answer::B };
         if rng.random_bool((2.0 * self.lapse).clamp(0.0, 1.0)) {
             return coin(rng);
         }
         let reference = shown.reference;
-        // in units of the noise at the reference; a cue of infinite noise tells nothing
+        // in units of the noise at the reference; a cue of infinite noise is not informative
         let mut draw = |level: f64, reference: f64, weber: f64| {
             let z: f64 = StandardNormal.sample(rng);
             let unit = reference.max(FLOOR);
@@ -91,13 +90,13 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     #[test]
-    fn answers_come_as_often_right_as_the_closed_form_says() {
+    fn answers_match_the_closed_form() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let reference = Stimulus::REFERENCE;
         for jnd in [0.2, 0.5] {
             let observer = Observer::with_jnd(&reference, jnd, 0.01);
             for times in [0.5, 1.0, 2.0] {
-                // the closed form has the noise of the baseline: a small difference has nearly that
+                // the closed form uses the noise of the baseline, nearly that of a small difference
                 let comparison = Varied::BothUp.apply(&reference, times * jnd);
                 let shown = Presentation {
                     number: 1,

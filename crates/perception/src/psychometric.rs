@@ -1,30 +1,30 @@
-//! The psychometric function of a forced choice between two: how often the right one is named.
+//! The psychometric function of a forced choice between two: probability of a correct answer.
 //!
 //! ψ(x) = ½ + (½ − λ)·(1 − exp(−k·(x/J)^β)),  k = −ln(1 − ¼/(½ − λ))
 //!
-//! a Weibull function of the difference x from chance (½) to 1 − λ, written so that ψ(J) = ¾ whatever slope β and lapse
-//! rate λ are: J is the just noticeable difference of ch. 5.3.2.7.
+//! is a Weibull function of the difference x from chance (½) to 1 − λ. It is written such that ψ(J) = ¾ for every slope β and
+//! lapse rate λ: J is the just noticeable difference of [thesis, ch. 5.3.2.7].
 
 use serde::{Deserialize, Serialize};
 
-/// Chance of naming the right one of two without any difference.
+/// Probability of a correct answer without any difference.
 pub const GUESS: f64 = 0.5;
-/// Share of right answers at the JND (ch. 5.3.2.7).
+/// Probability of a correct answer at the JND [thesis, ch. 5.3.2.7].
 pub const AT_JND: f64 = 0.75;
 
 /// A psychometric function.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Psychometric {
-    /// Difference that is named rightly three times in four J, in the unit of the differences.
+    /// Just noticeable difference J, in the unit of the differences.
     pub jnd: f64,
     /// Slope β.
     pub slope: f64,
-    /// Share of answers that have nothing to do with what was felt λ, below ¼.
+    /// Lapse rate λ, the share of answers independent of the percept. Below ¼.
     pub lapse: f64,
 }
 
 impl Psychometric {
-    /// Probability of the right answer at the difference `x`.
+    /// Probability of a correct answer at the difference `x`.
     #[must_use]
     pub fn p(&self, x: f64) -> f64 {
         let reach = 1.0 - GUESS - self.lapse;
@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_jnd_is_where_three_of_four_answers_are_right() {
+    fn three_of_four_are_correct_at_the_jnd() {
         for slope in [0.8, 1.5, 4.0] {
             for lapse in [0.0, 0.02, 0.1] {
                 let f = Psychometric { jnd: 0.7, slope, lapse };

@@ -1,47 +1,47 @@
-//! QUEST+ (Watson 2017): each difference is chosen where the answer is expected to tell most.
+//! QUEST+ [watson-2017]: presents the difference with the most informative expected answer.
 //!
-//! A posterior is kept over JND, slope and lapse rate on a grid; for every difference that could come next, its entropy
-//! is reckoned for both answers, and the difference with the least expected entropy is presented.
+//! The posterior lives on a grid over JND, slope and lapse rate. For every possible next difference its entropy is computed for
+//! both answers; the difference with the smallest expected entropy is presented.
 
 use crate::psychometric::Psychometric;
 
 /// Grid of JNDs, slopes, lapse rates and differences.
 const JNDS: usize = 61;
 const SLOPES: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 3.0, 4.5];
-/// Weights of the slopes: log-normal around 1.6. A signal in Gaussian noise has 1.2 to 1.5 as a Weibull function,
-/// measured slopes of touch lie around 2.
+/// Weights of the slopes: log-normal around 1.6. A signal in Gaussian noise has slopes of 1.2 to 1.5 as a Weibull function;
+/// measured slopes of touch are around 2.
 const SLOPE_WEIGHTS: [f64; 6] = [0.09, 0.20, 0.27, 0.24, 0.13, 0.07];
 const LAPSES: [f64; 4] = [0.0, 0.02, 0.05, 0.1];
-/// Few answers lapse.
+/// Weights of the lapse rates: few answers lapse.
 const LAPSE_WEIGHTS: [f64; 4] = [0.35, 0.35, 0.2, 0.1];
 const DIFFERENCES: usize = 41;
-/// How far beyond the presented differences a JND may lie.
-const BEYOND: f64 = 4.0;
+/// Factor by which a JND may lie beyond the presented differences.
+const MARGIN: f64 = 4.0;
 
-/// What is known of the JND.
+/// Estimate of the JND.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Belief {
     /// Median of the posterior, N.
     pub jnd: f64,
     /// 95 % credible interval, N.
     pub ci95: (f64, f64),
-    /// The interval lies within the differences that could be presented; otherwise they do not reach the JND yet.
+    /// Whether the interval lies within the range of differences. If not, they do not reach the JND yet.
     pub reached: bool,
 }
 
-/// The procedure.
+/// The QUEST+ procedure.
 #[derive(Debug, Clone)]
 pub struct QuestPlus {
     range: (f64, f64),
     differences: Vec<f64>,
     jnds: Vec<f64>,
-    /// Of the right answer and of the wrong one, by difference and then by hypothesis.
+    /// Likelihoods of the correct and the wrong answer, by difference and then by hypothesis.
     chances: Vec<Vec<[Chance; 2]>>,
-    /// By hypothesis: JND slowest.
+    /// Posterior by hypothesis, JND slowest.
     posterior: Vec<f64>,
 }
 
-/// A probability and its logarithm, which would be taken a million times a session otherwise.
+/// A probability and its logarithm, which would otherwise be computed a million times per session.
 #[derive(Debug, Clone, Copy)]
 struct Chance {
     p: f64,
@@ -54,18 +54,18 @@ impl Chance {
     }
 }
 
-/// `n` numbers from `low` to `high`, each the same factor above the last.
+/// `n` numbers from `low` to `high` with a constant ratio.
 fn geometric(low: f64, high: f64, n: usize) -> Vec<f64> {
     let step = (high / low).ln() / (n - 1) as f64;
     (0..n).map(|k| low * (step * k as f64).exp()).collect()
 }
 
 impl QuestPlus {
-    /// Nothing known but that the JND lies around the range of the differences in N that may be presented.
+    /// A procedure that presents differences in `range`, N, with a prior around that range.
     #[must_use]
     pub fn new(range: (f64, f64)) -> Self {
         let differences = geometric(range.0, range.1, DIFFERENCES);
-        let jnds = geometric(range.0 / BEYOND, range.1 * BEYOND, JNDS);
+        let jnds = geometric(range.0 / MARGIN, range.1 * MARGIN, JNDS);
         let mut hypotheses = Vec::new();
         let mut posterior = Vec::new();
         for &jnd in &jnds {
@@ -116,7 +116,7 @@ impl QuestPlus {
         least.map_or(self.range.1, |(_, x)| x)
     }
 
-    /// Takes an answer to the difference `x` N, whoever chose it.
+    /// Updates the posterior with an answer to the difference `x`, N.
     pub fn answer(&mut self, x: f64, correct: bool) {
         let mut k = 0;
         for &jnd in &self.jnds {
@@ -131,7 +131,7 @@ impl QuestPlus {
         normalise(&mut self.posterior);
     }
 
-    /// What is known by now.
+    /// Present estimate.
     #[must_use]
     pub fn belief(&self) -> Belief {
         let marginal: Vec<f64> =
@@ -140,14 +140,14 @@ impl QuestPlus {
             let mut sum = 0.0;
             for (k, &weight) in marginal.iter().enumerate() {
                 if sum + weight >= q {
-                    // within a cell of the grid the logarithm is spread evenly
+                    // within a cell of the grid the logarithm is uniform
                     let share = ((q - sum) / weight.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0) - 0.5;
                     let step = (self.jnds[1] / self.jnds[0]).ln();
                     return self.jnds[k] * (share * step).exp();
                 }
                 sum += weight;
             }
-            self.range.1 * BEYOND
+            self.range.1 * MARGIN
         };
         let ci95 = (quantile(0.025), quantile(0.975));
         let reached = ci95.0 >= self.range.0 && ci95.1 <= self.range.1;
@@ -169,7 +169,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     #[test]
-    fn forty_answers_find_the_jnd_that_levels_in_the_wrong_place_miss() {
+    fn forty_answers_find_the_jnd() {
         let mut rng = ChaCha8Rng::seed_from_u64(11);
         let (mut errors, mut inside) = (Vec::new(), 0);
         let n = 60;
@@ -178,7 +178,7 @@ mod tests {
             let mut quest = QuestPlus::new((0.02, 4.0));
             for _ in 0..40 {
                 let x = quest.next();
-                // the observer is not the procedure's function: Gaussian noise of which ¾ is Φ(0.6745)
+                // the observer is not a Weibull function: Gaussian noise, ¾ = Φ(0.6745)
                 let p = normal_cdf(0.6745 * x / jnd);
                 quest.answer(x, rng.random_bool(p.clamp(0.0, 0.98)));
             }
@@ -197,7 +197,7 @@ mod tests {
     }
 
     fn normal_cdf(z: f64) -> f64 {
-        // Φ by summing the density: coarse, and its own
+        // Φ by summing the density, independent of the crate
         let n = 4000;
         let h = (z + 8.0) / f64::from(n);
         (0..n).map(|k| (-0.5 * (-8.0 + (f64::from(k) + 0.5) * h).powi(2)).exp() * h).sum::<f64>()

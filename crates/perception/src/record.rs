@@ -1,6 +1,6 @@
-//! What a session's file holds: a header, then one record a finished trial.
+//! Records of a session's file: a header, then one record per finished trial.
 
-use crate::forced_choice::{ForcedChoicePlan, Presentation};
+use crate::forced_choice_plan::{Answer, ForcedChoicePlan, Presentation};
 use crate::stimulus::{Resistance, Stimulus};
 use crate::targeting_plan::{Difficulty, Segment, TargetingPlan};
 use serde::{Deserialize, Serialize};
@@ -13,46 +13,46 @@ pub const SCHEMA: &str = "tribos.session/1";
 pub struct Header {
     /// [`SCHEMA`].
     pub schema: String,
-    /// Who, or what.
+    /// Subject.
     pub subject: Subject,
-    /// When it began: RFC 3339, or empty where there is no clock.
+    /// Start of the session in RFC 3339, or empty without a clock.
     #[serde(default)]
     pub began: String,
-    /// What was felt on: a port, `sim`, the model of a simulated subject.
+    /// Device: a port, `sim`, or the model of a simulated subject.
     #[serde(default)]
     pub device: String,
-    /// What is presented.
+    /// Experiment.
     pub experiment: Experiment,
 }
 
-/// Who answered.
+/// Subject of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Subject {
     /// A label, not a person's name.
     pub id: String,
-    /// A model made the data; no human did.
+    /// Model that made the data, if no human did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulated: Option<Simulated>,
 }
 
-/// What made the data of a subject that does not exist.
+/// Model of a simulated subject.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Simulated {
     /// One sentence on the model.
     pub model: String,
     /// Seed of this subject.
     pub seed: u64,
-    /// Its parameters, as name and value in SI.
+    /// Parameters as name and value in SI.
     pub parameters: Vec<(String, f64)>,
 }
 
-/// What is presented.
+/// Experiment of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Experiment {
-    /// The Fitts task.
+    /// Targeting task.
     Targeting(TargetingPlan),
-    /// Which of two differs?
+    /// Forced choice.
     ForcedChoice(ForcedChoicePlan),
 }
 
@@ -60,55 +60,55 @@ pub enum Experiment {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Record {
-    /// Eight valid clicks.
+    /// Segment of the targeting task.
     Targeting(TargetingTrial),
-    /// One answer.
+    /// Answer of the forced choice.
     ForcedChoice(ForcedChoiceTrial),
 }
 
 /// A click of the targeting task.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Click {
-    /// Since the segment began, s.
+    /// Time since the segment began, s.
     pub time_s: f64,
-    /// Centre of the cursor from the centre of travel, pixels.
+    /// Centre of the cursor, pixels from the centre of travel.
     pub position_px: f64,
-    /// Centre of the target that was to be hit, pixels.
+    /// Centre of the target, pixels.
     pub target_px: f64,
-    /// The cursor was completely inside.
+    /// Whether the cursor was completely inside.
     pub valid: bool,
 }
 
 /// A finished segment of the targeting task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TargetingTrial {
-    /// From 1, practice included.
+    /// Number of the segment from 1, practice included.
     pub number: usize,
-    /// Not to be analysed.
+    /// Whether the segment is practice, which is not analysed.
     pub practice: bool,
-    /// What resisted.
+    /// Resistance.
     pub resistance: Resistance,
-    /// The targets.
+    /// Targets.
     pub difficulty: Difficulty,
     /// Index of difficulty, bits.
     pub id_bits: f64,
     /// Handle travel of a pixel, m.
     pub metre_per_px: f64,
-    /// From the appearance of the targets to the eighth valid click, s.
+    /// Time from the appearance of the targets to the eighth valid click, s.
     pub completion_s: f64,
-    /// Clicks that missed.
+    /// Number of clicks that missed.
     pub errors: usize,
-    /// Mean distance of the clicks that missed from the rim they missed, mm of handle travel; 0 without errors.
+    /// Mean distance of missed clicks from the rim, mm of handle travel. 0 without errors.
     pub mean_error_mm: f64,
-    /// All of them.
+    /// All clicks.
     pub clicks: Vec<Click>,
-    /// File of the 1 kHz trajectory, beside the session's.
+    /// File of the 1 kHz trajectory, in the folder of the session's file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trajectory: Option<String>,
 }
 
 impl TargetingTrial {
-    /// From its clicks.
+    /// The record of a segment with these clicks.
     #[must_use]
     pub fn new(number: usize, segment: Segment, plan: &TargetingPlan, clicks: Vec<Click>) -> Self {
         let half = 0.5 * segment.difficulty.width_px;
@@ -134,47 +134,38 @@ impl TargetingTrial {
     }
 }
 
-/// Which of the two comparisons.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Answer {
-    /// The first.
-    A,
-    /// The second.
-    B,
-}
-
 /// One answered question of the forced choice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForcedChoiceTrial {
-    /// From 1.
+    /// Number of the trial from 1.
     pub number: usize,
-    /// Name of its batch.
+    /// Name of the batch.
     pub batch: String,
-    /// Level within the batch, from 1; 0 when a procedure chose it.
+    /// Level within the batch, from 1. 0 if a procedure chose it.
     pub level: usize,
-    /// What it is compared with.
+    /// Reference.
     pub reference: Stimulus,
-    /// What differs.
+    /// Levels that differ.
     pub comparison: Stimulus,
-    /// By how much, N (always positive).
+    /// Difference, N. Always positive.
     pub difference_n: f64,
-    /// Which case differed.
+    /// The case that differed.
     pub different: Answer,
-    /// Which one the subject named.
+    /// The case that the subject named.
     pub answer: Answer,
-    /// They are the same.
+    /// Whether the answer is correct.
     pub correct: bool,
-    /// From the first presentation to the answer, s.
+    /// Time from the first presentation to the answer, s.
     pub seconds: f64,
-    /// How often baseline, A and B were felt.
+    /// Number of presentations of baseline, A and B.
     pub visits: [u32; 3],
-    /// File of the 1 kHz trajectory, beside the session's.
+    /// File of the 1 kHz trajectory, in the folder of the session's file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trajectory: Option<String>,
 }
 
 impl ForcedChoiceTrial {
-    /// From what was presented and what was answered.
+    /// The record of a question and its answer.
     #[must_use]
     pub fn new(shown: &Presentation, answer: Answer, seconds: f64, visits: [u32; 3]) -> Self {
         Self {

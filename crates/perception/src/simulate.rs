@@ -1,6 +1,7 @@
-//! Simulated subjects: whole sessions without people. Their files say so.
+//! Simulated subjects: complete sessions without people. Their files say so.
 
-use crate::forced_choice::{ForcedChoice, ForcedChoicePlan};
+use crate::forced_choice::ForcedChoice;
+use crate::forced_choice_plan::ForcedChoicePlan;
 use crate::hand::{HandModel, reach};
 use crate::observer::Observer;
 use crate::record::{Experiment, Header, Record, SCHEMA, Simulated, Subject};
@@ -10,26 +11,26 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// What every header says of a hand.
+/// Description of the hand model in every header.
 pub const HAND_MODEL: &str = "simulated hand: minimum-jerk submovements, corrected by delayed sight, force noise in proportion to the force, on the simulated device with its own renderer; no human data";
-/// What every header says of a decision.
+/// Description of the observer model in every header.
 pub const OBSERVER_MODEL: &str = "simulated observer: impressions of dynamic and static friction with noise in proportion to the level; no human data";
 
-/// A subject that does not exist.
+/// A simulated subject.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedSubject {
     /// Label.
     pub id: String,
-    /// Of all its noise.
+    /// Seed of all noise.
     pub seed: u64,
-    /// How it moves.
+    /// Hand model.
     pub hand: HandModel,
-    /// How it decides.
+    /// Observer.
     pub observer: Observer,
 }
 
 impl SimulatedSubject {
-    /// The `number`th subject (from 1) of an experiment.
+    /// Subject `number`, from 1, of an experiment.
     #[must_use]
     pub fn drawn(number: usize, seed: u64) -> Self {
         let seed = seed.wrapping_mul(1_000_003).wrapping_add(number as u64);
@@ -38,7 +39,7 @@ impl SimulatedSubject {
             let z: f64 = StandardNormal.sample(&mut rng);
             value * (by * z.clamp(-2.5, 2.5)).exp()
         };
-        // a tenth of the level is what hands tell of a force; a start is felt for a moment, four times as badly
+        // hands discriminate about a tenth of a force; a start is brief and discriminated four times worse
         let weber_dynamic = vary(0.10, 0.3);
         let observer = Observer { weber_dynamic, weber_static: 4.0 * weber_dynamic, lapse: vary(0.01, 0.3) };
         Self { id: format!("simulated-{number:02}"), seed, hand: HandModel::drawn(seed), observer }
@@ -57,10 +58,10 @@ impl SimulatedSubject {
         }
     }
 
-    /// The targeting task from beginning to end.
+    /// Runs the targeting task from beginning to end.
     ///
     /// # Errors
-    /// The device refuses a resistance, or the hand never finishes a segment.
+    /// The device rejects a resistance, or the hand never finishes a segment.
     pub fn targeting(&self, plan: TargetingPlan) -> Result<(Header, Vec<Record>), String> {
         let mut task = Targeting::new(plan);
         let header =
@@ -73,7 +74,7 @@ impl SimulatedSubject {
         Ok((header, records))
     }
 
-    /// The forced choice from beginning to end.
+    /// Runs the forced choice from beginning to end.
     #[must_use]
     pub fn forced_choice(&self, plan: ForcedChoicePlan) -> (Header, Vec<Record>) {
         let mut choice = ForcedChoice::new(plan);
@@ -89,7 +90,7 @@ impl SimulatedSubject {
             choice.advance();
             choice.advance();
             let answer = self.observer.answer(&shown, &mut rng);
-            // a model takes no time
+            // a model answers at once
             let Some(trial) = choice.answer(answer, 0.0) else { break };
             records.push(Record::ForcedChoice(trial));
         }
@@ -106,7 +107,7 @@ mod tests {
     use crate::targeting_plan::{Segment, TABLE_5_1};
 
     #[test]
-    fn a_simulated_subject_finishes_every_kind_of_segment_and_its_file_says_what_it_is() {
+    fn simulated_subjects_finish_and_are_labelled() {
         let subject = SimulatedSubject::drawn(1, 7);
         let mut order = Vec::new();
         for resistance in Resistance::ALL {

@@ -1,8 +1,8 @@
-//! What is felt: a rendered block, and the five resistances of table 5-2.
+//! Stimuli: a rendered block, and the five resistances of [thesis, table 5-2].
 
 use serde::{Deserialize, Serialize};
 
-/// A rendered block with symmetric friction: the parameters of table 5-3.
+/// A rendered block with symmetric friction: the parameters of [thesis, table 5-3].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stimulus {
@@ -12,7 +12,7 @@ pub struct Stimulus {
     pub f_dynamic: f64,
     /// Viscous damping b, N·s/m.
     pub damping: f64,
-    /// Speed taken for zero DV, m/s.
+    /// Half-width of the stuck velocity band DV, m/s.
     pub dv: f64,
     /// Mass of the virtual block m, kg.
     pub mass: f64,
@@ -23,7 +23,7 @@ pub struct Stimulus {
 }
 
 impl Stimulus {
-    /// The reference of the forced choice (table 5-3).
+    /// The reference of the forced choice [thesis, table 5-3].
     pub const REFERENCE: Self = Self {
         f_static: 2.0,
         f_dynamic: 2.0,
@@ -40,7 +40,7 @@ impl Stimulus {
         Self { f_static, f_dynamic, ..self }
     }
 
-    /// Name and value of every parameter, as `set NAME VALUE` and a preset file have them.
+    /// Names and values of all parameters, as in `set NAME VALUE` and preset files.
     #[must_use]
     pub fn parameters(&self) -> [(&'static str, f64); 7] {
         [
@@ -54,10 +54,10 @@ impl Stimulus {
         ]
     }
 
-    /// The first parameter that no block can have, with what would be accepted.
+    /// Checks every parameter against its physical range. A device may accept less.
     ///
     /// # Errors
-    /// Parameter, value and range. What a certain device refuses is for that device to say.
+    /// Parameter, value and accepted range.
     pub fn validate(&self) -> Result<(), String> {
         for (name, value) in self.parameters() {
             let positive = matches!(name, "mass" | "k_vc" | "dv");
@@ -70,28 +70,28 @@ impl Stimulus {
     }
 }
 
-/// What resists the hand in the targeting task (table 5-2).
+/// Resistance in the targeting task [thesis, table 5-2].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Resistance {
-    /// Only what is in the device: about 0.8 N and 1.4 kg on the thesis's.
+    /// The bare device: about 0.8 N and 1.4 kg on the printed one.
     Baseline,
     /// A real 0.5 kg block of aluminium on a rubber pad, about 3.5 N.
     Real,
-    /// Rendered friction that approximately matches [`Resistance::Real`].
+    /// Rendered friction approximately equal to [`Resistance::Real`].
     Simulated,
-    /// As simulated, with a static friction of about 7 N.
+    /// Like `Simulated`, with a static friction of about 7 N.
     HighStiction,
     /// Rendered viscous damping, about 35 N·s/m, 0.5 kg.
     Viscous,
 }
 
 impl Resistance {
-    /// All five in the order of table 5-2.
+    /// All five in the order of [thesis, table 5-2].
     pub const ALL: [Self; 5] =
         [Self::Baseline, Self::Real, Self::Simulated, Self::HighStiction, Self::Viscous];
 
-    /// As in table 5-2.
+    /// Name in [thesis, table 5-2].
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -103,7 +103,7 @@ impl Resistance {
         }
     }
 
-    /// One word, as in files.
+    /// Name in files, one word.
     #[must_use]
     pub fn id(self) -> &'static str {
         match self {
@@ -115,10 +115,10 @@ impl Resistance {
         }
     }
 
-    /// What is rendered; nothing where the hand meets the bare device, or a block that is really there.
+    /// Rendered block. `None` for the bare device and for a real block.
     ///
-    /// The thesis prints the friction levels (3.5 N, 7 N, 35 N·s/m) and the mass; the coupling is the one of the
-    /// built-in presets, and DV lies above the limit-cycle velocity of eq. 4.35 there.
+    /// Friction levels (3.5 N, 7 N, 35 N·s/m) and mass are those of [thesis, table 5-2]. The coupling is that of the built-in
+    /// presets; DV lies above the limit-cycle velocity of [thesis, eq. 4.35].
     #[must_use]
     pub fn rendered(self) -> Option<Stimulus> {
         let block = Stimulus {
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_block_can_have_is_named() {
+    fn invalid_blocks_name_the_parameter() {
         let bad = Stimulus { mass: 0.0, ..Stimulus::REFERENCE };
         assert_eq!(bad.validate(), Err("mass = 0: a finite number above 0 is accepted".into()));
         let bad = Stimulus { f_static: f64::NAN, ..Stimulus::REFERENCE };

@@ -1,35 +1,35 @@
-//! The targeting task of ch. 5.3.1: to and fro between two targets, a click on each, as fast as possible.
+//! The targeting task of [thesis, ch. 5.3.1]: clicks on two targets in turn, as fast as possible.
 //!
 //! ```text
 //!   next() ── segment ──> start(t) ──> click(t, x) ──┬── Valid: the other target is next
-//!     ^                                              ├── Error: the same one again, so many pixels beside it
+//!     ^                                              ├── Error: the same one again, with its miss in pixels
 //!     └──────────── record the trial <── Finished ───┘
 //! ```
 
 use crate::record::{Click, Record, TargetingTrial};
 use crate::targeting_plan::{CLICKS, Segment, TargetingPlan};
 
-/// What a click was.
+/// Result of a click.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// The cursor was completely inside; the other target is next.
+    /// Hit: the cursor was completely inside. The other target is next.
     Valid,
-    /// It was not: by so many pixels.
+    /// Miss, with its distance in pixels.
     Error(f64),
-    /// The eighth valid click; the segment is complete.
+    /// The eighth valid click completed the segment.
     Finished(TargetingTrial),
 }
 
-/// A segment under way.
+/// A running segment.
 #[derive(Debug, Clone)]
 struct Running {
     started_s: f64,
-    /// Which target is next: −1 below, +1 above the centre.
+    /// Next target: −1 below, +1 above the centre.
     side: i8,
     clicks: Vec<Click>,
 }
 
-/// The task, from its first segment to its last.
+/// A session of the targeting task.
 #[derive(Debug, Clone)]
 pub struct Targeting {
     plan: TargetingPlan,
@@ -38,7 +38,7 @@ pub struct Targeting {
 }
 
 impl Targeting {
-    /// From the beginning. A plan without an order gets the one of its seed.
+    /// A new session. A plan without an order gets the order of its seed.
     #[must_use]
     pub fn new(mut plan: TargetingPlan) -> Self {
         if plan.order.is_empty() {
@@ -50,7 +50,7 @@ impl Targeting {
         Self { plan, done: 0, running: None }
     }
 
-    /// From where a file ends. A segment that was not finished begins anew.
+    /// A session resumed from the records of its file. An unfinished segment starts again.
     #[must_use]
     pub fn resume(plan: TargetingPlan, records: &[Record]) -> Self {
         let mut task = Self::new(plan);
@@ -59,56 +59,55 @@ impl Targeting {
         task
     }
 
-    /// What the task is made of.
+    /// Plan of the session.
     #[must_use]
     pub fn plan(&self) -> &TargetingPlan {
         &self.plan
     }
 
-    /// Segments finished, and in all.
+    /// Number of finished segments, and total.
     #[must_use]
     pub fn progress(&self) -> (usize, usize) {
         (self.done, self.plan.order.len())
     }
 
-    /// The segment to present; nothing when the session is complete.
+    /// Next segment. `None` if the session is complete.
     #[must_use]
     pub fn next(&self) -> Option<Segment> {
         self.plan.order.get(self.done).copied()
     }
 
-    /// The targets appear and the clock of the segment runs, at `time_s` of the trajectory's clock. Called again, the
-    /// segment begins anew.
+    /// Starts the segment: the targets appear at `time_s` of the trajectory's clock. A second call restarts the segment.
     pub fn start(&mut self, time_s: f64) {
         if self.next().is_some() {
             self.running = Some(Running { started_s: time_s, side: 1, clicks: Vec::with_capacity(CLICKS) });
         }
     }
 
-    /// The segment under way is given up and will be presented again.
+    /// Aborts the running segment. It is presented again.
     pub fn abandon(&mut self) {
         self.running = None;
     }
 
-    /// The clock of a segment runs.
+    /// Whether a segment is running.
     #[must_use]
     pub fn is_running(&self) -> bool {
         self.running.is_some()
     }
 
-    /// Which target is to be hit: −1 below, +1 above the centre.
+    /// Present target: −1 below, +1 above the centre.
     #[must_use]
     pub fn side(&self) -> Option<i8> {
         self.running.as_ref().map(|running| running.side)
     }
 
-    /// Valid clicks so far in this segment.
+    /// Number of valid clicks in this segment.
     #[must_use]
     pub fn valid_clicks(&self) -> usize {
         self.running.as_ref().map_or(0, |running| running.clicks.iter().filter(|c| c.valid).count())
     }
 
-    /// Centre of the target to be hit as a position of the handle, m; the centre of travel is 0.
+    /// Centre of the present target as a handle position, m from the centre of travel.
     #[must_use]
     pub fn target_m(&self) -> Option<f64> {
         let side = self.side()?;
@@ -116,8 +115,8 @@ impl Targeting {
         Some(f64::from(side) * 0.5 * segment.difficulty.distance_px * self.plan.metre_per_px)
     }
 
-    /// The button was pressed at `time_s` with the handle at `position_m`. Nothing when no segment runs, or when time
-    /// or position are not numbers or time runs backward: such a click is none.
+    /// Records a click at `time_s` with the handle at `position_m`. `None` without a running segment, for non-finite time or
+    /// position, or if time runs backward.
     pub fn click(&mut self, time_s: f64, position_m: f64) -> Option<Event> {
         let segment = self.next()?;
         let running = self.running.as_mut()?;
@@ -156,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_valid_clicks_and_the_errors_between_them() {
+    fn eight_valid_clicks_complete_a_segment() {
         let plan = TargetingPlan { practice: false, ..TargetingPlan::thesis(3) };
         let mut task = Targeting::new(plan);
         assert_eq!(task.click(0.0, 0.0), None, "nothing runs yet");
@@ -180,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unfinished_segment_begins_anew_and_finished_ones_stay() {
+    fn an_unfinished_segment_starts_again() {
         let mut task = Targeting::new(TargetingPlan::thesis(5));
         let mut records = Vec::new();
         for _ in 0..12 {

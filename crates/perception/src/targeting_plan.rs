@@ -1,4 +1,4 @@
-//! What the targeting task presents, in which order, and how large.
+//! Plan of the targeting task: targets, resistances and their order.
 
 use crate::stimulus::Resistance;
 use rand::SeedableRng;
@@ -6,24 +6,24 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// Valid clicks that complete a segment (ch. 5.3.1).
+/// Valid clicks that complete a segment [thesis, ch. 5.3.1].
 pub const CLICKS: usize = 8;
 
-/// Two targets: how far apart, and how wide.
+/// Distance and width of two targets.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Difficulty {
-    /// Number in table 5-1, from 1.
+    /// Number in [thesis, table 5-1], from 1.
     pub index: u32,
     /// Distance between the targets' centres A, pixels.
     pub distance_px: f64,
-    /// Width within which the *centre* of the cursor hits, W_s = W − D (eq. 5.1), pixels: the cursor is then
-    /// completely inside. Table 5-1 prints it as W_c.
+    /// Width within which the *centre* of the cursor hits, W_s = W − D [thesis, eq. 5.1], pixels: the cursor is then
+    /// completely inside. [thesis, table 5-1] prints it as W_c.
     pub width_px: f64,
 }
 
 impl Difficulty {
-    /// Index of difficulty I_d = −log₂(W_s/2A), bits (eq. 5.1).
+    /// Index of difficulty I_d = −log₂(W_s/2A), bits [thesis, eq. 5.1].
     #[must_use]
     pub fn bits(&self) -> f64 {
         -(self.width_px / (2.0 * self.distance_px)).log2()
@@ -34,7 +34,7 @@ const fn difficulty(index: u32, distance_px: f64, width_px: f64) -> Difficulty {
     Difficulty { index, distance_px, width_px }
 }
 
-/// The nine indices of difficulty (table 5-1).
+/// The nine indices of difficulty [thesis, table 5-1].
 pub const TABLE_5_1: [Difficulty; 9] = [
     difficulty(1, 228.0, 12.0),
     difficulty(2, 228.0, 40.0),
@@ -47,41 +47,41 @@ pub const TABLE_5_1: [Difficulty; 9] = [
     difficulty(9, 380.0, 68.0),
 ];
 
-/// Eight valid clicks of one difficulty under one resistance; the thesis calls it a batch or a segment.
+/// A segment: eight valid clicks at one difficulty under one resistance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
-    /// Kept, but not analysed.
+    /// Whether the segment is practice: recorded, but not analysed.
     pub practice: bool,
-    /// What resists.
+    /// Resistance.
     pub resistance: Resistance,
-    /// The targets.
+    /// Targets.
     pub difficulty: Difficulty,
 }
 
-/// What the task is made of. It is written into the session's file whole, so that a session resumes as it began.
+/// Plan of a session. Stored completely in the session's file, so that a session resumes as it began.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetingPlan {
     /// Seed of the order.
     pub seed: u64,
-    /// Practice first: one segment of middle difficulty at the baseline, one with real friction.
+    /// Whether practice comes first: one segment of middle difficulty at the baseline, one with real friction.
     pub practice: bool,
     /// Handle travel of a pixel, m.
     pub metre_per_px: f64,
     /// Diameter of the cursor D, pixels; targets are drawn W_s + D wide.
     pub cursor_px: f64,
-    /// The order; made from the seed when empty.
+    /// Order of the segments. Drawn from the seed if empty.
     #[serde(default)]
     pub order: Vec<Segment>,
 }
 
 impl TargetingPlan {
-    /// Handle travel of a pixel, m. The thesis prints 1.5 mm (228 px are "342 mm"), more than its device can travel;
-    /// this puts its widest pair of targets, and a cursor's width of room beyond them, on the 32 mm of table 3-1.
+    /// Handle travel of a pixel, m. The printed 1.5 mm (228 px are "342 mm") exceeds the travel of the device. This value fits
+    /// the widest pair of targets, plus the width of a cursor, into the 32 mm of [thesis, table 3-1].
     pub const METRE_PER_PX: f64 = 0.06e-3;
 
-    /// The thesis's: 45 segments after practice, baseline first, the rest in random order.
+    /// The plan of [thesis, ch. 5.3.1]: 45 segments after practice, baseline first, the rest in random order.
     #[must_use]
     pub fn thesis(seed: u64) -> Self {
         let mut plan = Self {
@@ -95,8 +95,8 @@ impl TargetingPlan {
         plan
     }
 
-    /// The order from the seed: nine segments at the baseline, then nine of each other resistance, resistances and
-    /// indices in random order (ch. 5.3.1).
+    /// Order from the seed: nine segments at the baseline, then nine of each other resistance, with resistances and indices
+    /// in random order [thesis, ch. 5.3.1].
     #[must_use]
     pub fn drawn(&self) -> Vec<Segment> {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -118,10 +118,10 @@ impl TargetingPlan {
         order
     }
 
-    /// What cannot be presented.
+    /// Checks that everything can be presented.
     ///
     /// # Errors
-    /// Parameter, value and what would be accepted.
+    /// Parameter, value and accepted range.
     pub fn validate(&self) -> Result<(), String> {
         let above_zero = |name: &str, value: f64| {
             if value.is_finite() && value > 0.0 {
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    // 3.14 is printed in table 5-1
+    // 3.14 is printed in [thesis, table 5-1]
     #[allow(clippy::approx_constant)]
     #[test]
     fn indices_of_difficulty_are_exactly_table_5_1() {
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn forty_five_segments_baseline_first_and_each_once() {
+    fn each_segment_comes_once_baseline_first() {
         let mut orders = BTreeSet::new();
         for seed in 0..50 {
             let plan = TargetingPlan::thesis(seed);
@@ -178,7 +178,7 @@ mod tests {
             assert!(main[..9].iter().all(|s| s.resistance == Resistance::Baseline));
             let each: BTreeSet<_> = main.iter().map(|s| (s.resistance, s.difficulty.index)).collect();
             assert_eq!(each.len(), 45);
-            // the nine of a resistance stay together
+            // the nine segments of a resistance stay together
             for nine in main.chunks(9) {
                 assert!(nine.iter().all(|s| s.resistance == nine[0].resistance));
             }

@@ -1,4 +1,4 @@
-//! Where the time of one control period of the simulated rig goes: 20 integration steps, by what hangs on it.
+//! Cost of one control period of the simulated rig, 20 integration steps, by what is attached to it.
 //!
 //! `cargo bench -p plant`; an item is one control period.
 
@@ -26,7 +26,7 @@ fn ticks<L: FrictionLaw<f64>>(bencher: Bencher, config: RigConfig, law: L, hand:
     let mut k = 0_u32;
     bencher.counter(ItemsCount::new(STEPS)).bench_local(|| {
         for _ in 0..STEPS {
-            // pushes to and fro, so that it slides, turns and sticks
+            // pushes back and forth: slides, reverses and sticks
             k = k.wrapping_add(1);
             let command = if k & 256 == 0 { 3.0 } else { -3.0 };
             black_box(rig.tick(black_box(command), hand));

@@ -1,11 +1,11 @@
-//! Raw codes to SI and back, one struct for the simulated converters and for whoever decodes them.
+//! Conversion between raw codes and SI, shared by the simulated converters and their readers.
 
 /// One analogue channel: SI = (code − `offset_code`) · `unit_per_code`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Channel {
     /// Code that stands for zero, counts.
     pub offset_code: f64,
-    /// SI units of one code step: N (load cell) or m/s² (accelerometer).
+    /// SI units per code: N (load cell) or m/s² (accelerometer).
     pub unit_per_code: f64,
 }
 
@@ -16,7 +16,7 @@ impl Channel {
         (f64::from(code) - self.offset_code) * self.unit_per_code
     }
 
-    /// Nearest code of an SI value; the converter saturates at both ends. NaN reads as the zero code.
+    /// Nearest code of an SI value. Saturates at both ends of the converter; NaN gives the code of zero.
     #[must_use]
     pub fn to_code(&self, si: f64) -> u16 {
         let code = si / self.unit_per_code + self.offset_code;
@@ -27,18 +27,18 @@ impl Channel {
         (code + 0.5) as u16
     }
 
-    /// SI value beyond which the converter saturates, (lowest, highest).
+    /// SI values at which the converter saturates, (lowest, highest).
     #[must_use]
     pub fn range(&self) -> (f64, f64) {
         (self.to_si(0), self.to_si(u16::MAX))
     }
 }
 
-/// What a host needs to turn raw codes into SI. It is the *nominal* calibration, from data sheets: gain and
-/// offset errors of the simulated sensors ([`crate::Sensor`]) are not in it, as they are not on a real rig.
+/// Calibration that converts raw codes to SI. It is *nominal*, from data sheets: as on a real rig it does not contain the
+/// gain and offset errors of the sensors ([`crate::Sensor`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calibration {
-    /// Rate of the free-running timer behind `sample_ticks` and `edge_ticks`, Hz.
+    /// Rate of the timer of `sample_ticks` and `edge_ticks`, Hz.
     pub tick_hz: u32,
     /// Handle travel of one quadrature count, m.
     pub metre_per_count: f64,
@@ -49,7 +49,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Table 3-1: 8.896 N/V over ±5 V (10 lbf is 44.48 N) and ±50 g, on 16-bit oversampled codes.
+    /// [thesis, table 3-1]: 8.896 N/V over ±5 V (10 lbf is 44.48 N) and ±50 g, on 16-bit oversampled codes.
     #[must_use]
     pub fn thesis() -> Self {
         let codes = 65_536.0;
@@ -61,14 +61,13 @@ impl Calibration {
         }
     }
 
-    /// Handle position in m of an encoder count (two's complement: the counter starts at 0 and may run
-    /// below it).
+    /// Handle position of an encoder count, m. The count is two's complement: it starts at 0 and may become negative.
     #[must_use]
     pub fn position(&self, count: u32) -> f64 {
         f64::from(count as i32) * self.metre_per_count
     }
 
-    /// Seconds from one time stamp to a later one, across one wrap of the timer.
+    /// Time from one stamp to a later one, s, across at most one wrap of the timer.
     #[must_use]
     pub fn seconds_between(&self, earlier: u32, later: u32) -> f64 {
         f64::from(later.wrapping_sub(earlier)) / f64::from(self.tick_hz)

@@ -1,12 +1,12 @@
-//! What a rig is made of. Settings are checked once, by [`RigConfig::validate`], before a rig is built.
+//! Configuration of a rig. [`RigConfig::validate`] checks it once, before a rig is built.
 
 use crate::{Bench, Calibration, Wiring};
 use friction::{Invalid, in_range};
 
-/// How the block hangs on the device.
+/// Connection of the block to the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coupling {
-    /// Device and block are one body (the thesis: "stiff in the axial direction").
+    /// Device and block are one body: "stiff in the axial direction" [thesis, ch. 3.4].
     Rigid,
     /// Two masses joined by a spring and a damper; the load cell measures the force in them.
     Compliant {
@@ -24,78 +24,78 @@ pub struct Sensor {
     pub noise: f64,
     /// Factor on the true value, 1 when calibrated.
     pub gain: f64,
-    /// Added to the true value, SI.
+    /// Offset of the reading, SI.
     pub offset: f64,
 }
 
-/// Configuration of the rig. `default()` is the rig of the thesis, tables 3-1 and 3-2, with an aluminium
+/// Configuration of the rig. `default()` is the rig of [thesis, table 3-1 and 3-2], with an aluminium
 /// block coupled rigidly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigConfig {
-    /// Equivalent inertia of motor and slide, kg (table 3-1).
+    /// Equivalent inertia of motor and slide, kg [thesis, table 3-1].
     pub device_mass: f64,
-    /// Viscous damping of motor and slide, N·s/m: b of eq. 4.14.
+    /// Viscous damping of motor and slide, N·s/m: b of [thesis, eq. 4.14].
     pub device_damping: f64,
-    /// The device's own Coulomb friction against forward motion, N (table 3-1). 0: none.
+    /// Coulomb friction of the device against forward motion, N [thesis, table 3-1]. 0 is none.
     pub device_friction_p: f64,
-    /// The device's own Coulomb friction against reverse motion, N (table 3-1). 0: none.
+    /// Coulomb friction of the device against reverse motion, N [thesis, table 3-1]. 0 is none.
     pub device_friction_n: f64,
-    /// Mass of the block, kg. 0: no block, the handle is free and the law is not asked.
+    /// Mass of the block, kg. 0 is no block: the handle is free and the law is not used.
     pub block_mass: f64,
-    /// Mass of the handle beyond the load cell while there is no block on it, kg; a part of `device_mass`.
+    /// Mass of the handle beyond the load cell without a block, kg. Part of `device_mass`.
     pub handle_mass: f64,
-    /// Normal load on the block's surface, N. `None`: the weight of the block.
+    /// Normal load on the block's surface, N. `None` is the weight of the block.
     pub normal_load: Option<f64>,
     /// Connection between device and block.
     pub coupling: Coupling,
-    /// Force at which the actuator saturates, N (table 3-1). `None`: never.
+    /// Force at which the actuator saturates, N [thesis, table 3-1]. `None` is no limit.
     pub force_max: Option<f64>,
-    /// Control periods between the call that gives a command and its acting on the device. 1: a command
-    /// computed from the samples at t(k) acts from t(k+1) to t(k+2). 0 to 8.
+    /// Delay of a command, control periods, 0 to 8. With 1 a command computed from the samples at t(k) acts from t(k+1) to
+    /// t(k+2).
     pub actuation_delay: u32,
-    /// Distance between the hard stops, m, centred on position 0. `None`: no stops.
+    /// Distance between the hard stops, m, centred on position 0. `None` is no stops.
     pub stroke: Option<f64>,
     /// Stiffness of a hard stop, N/m.
     pub stop_stiffness: f64,
-    /// Damping of a hard stop while it is pressed, N·s/m. It pushes only, never pulls.
+    /// Damping of a hard stop, N·s/m. A stop only pushes.
     pub stop_damping: f64,
     /// Control period, timer ticks: 170 000 at 170 MHz is 1 ms.
     pub period_ticks: u32,
     /// Integration steps in a control period, at least 10.
     pub substeps: u32,
-    /// Standard deviation of the sampling instant around its nominal time, timer ticks. The time stamp
-    /// tells the true instant; it is limited to a quarter of a substep.
+    /// Jitter of the sampling instant, timer ticks, as a standard deviation. Limited to a quarter of a substep. The time
+    /// stamp is that of the true instant.
     pub clock_jitter_ticks: f64,
     /// Codes, counts and ticks.
     pub calibration: Calibration,
-    /// Load cell between device and block (table 3-2), N.
+    /// Load cell between device and block [thesis, table 3-2], N.
     pub load: Sensor,
-    /// Accelerometer on the device (table 3-2), m/s².
+    /// Accelerometer on the device [thesis, table 3-2], m/s².
     pub accel: Sensor,
-    /// Where the handle is at t = 0, m.
+    /// Position of the handle at t = 0, m.
     pub start_position: f64,
-    /// Mistakes of wiring.
+    /// Wiring errors.
     pub wiring: Wiring,
-    /// What is put on the sensors for a calibration.
+    /// Loads on the sensors during a calibration.
     pub bench: Bench,
 }
 
 impl RigConfig {
-    /// The thesis's rig with ideal sensors: no noise, no quantisation finer than the codes can carry.
+    /// The rig of [thesis, table 3-1] with ideal sensors: no noise, and no quantisation beyond that of the codes.
     #[must_use]
     pub fn noiseless() -> Self {
         let ideal = Sensor { noise: 0.0, gain: 1.0, offset: 0.0 };
         Self { load: ideal, accel: ideal, ..Self::default() }
     }
 
-    /// The thesis's rig without block and without friction of its own: a mass and a damper.
+    /// The rig of [thesis, table 3-1] without a block and without friction: a mass and a damper.
     #[must_use]
     pub fn free_handle() -> Self {
         Self {
             block_mass: 0.0,
             device_friction_p: 0.0,
             device_friction_n: 0.0,
-            // assumed: a knob in the place of the block
+            // assumed: a knob instead of the block
             handle_mass: 0.05,
             ..Self::default()
         }
@@ -113,7 +113,7 @@ impl RigConfig {
         self.period() / f64::from(self.substeps)
     }
 
-    /// Checks every parameter, and that the stiffest spring is integrated stably.
+    /// Checks every parameter, and that the integration of the stiffest spring is stable.
     ///
     /// # Errors
     /// The first parameter out of range, with the range that would be accepted.
@@ -157,7 +157,7 @@ impl RigConfig {
         self.validate_springs()
     }
 
-    /// A spring is integrated stably while ω·h < 2; half of that keeps its frequency right, too.
+    /// Integration of a spring is stable for ω·h < 2. Half of that also keeps its frequency correct.
     fn validate_springs(&self) -> Result<(), Invalid> {
         let h = self.substep();
         let rigid = self.block_mass == 0.0 || self.coupling == Coupling::Rigid;
@@ -181,8 +181,8 @@ impl Default for RigConfig {
     fn default() -> Self {
         Self {
             device_mass: 0.692,
-            // the thesis calls it "a small amount" and gives no number for the rig; this keeps the
-            // τ = m/b = 0.1 s of its simulated device, as `haptics` assumes
+            // not printed ("a small amount" [thesis, ch. 4.5]); gives the τ = m/b = 0.1 s of the simulated device there, as
+            // in `haptics`
             device_damping: 6.92,
             device_friction_p: 1.04,
             device_friction_n: 0.69,
@@ -193,7 +193,7 @@ impl Default for RigConfig {
             force_max: Some(9.48),
             actuation_delay: 1,
             stroke: Some(0.032),
-            // steel on a thin pad: the actuator at full force along the whole stroke presses it in 0.8 mm
+            // steel on a thin pad: full force along the whole stroke compresses it by 0.8 mm
             stop_stiffness: 5e5,
             stop_damping: 600.0,
             period_ticks: 170_000,

@@ -3,16 +3,16 @@
 use crate::Zoh;
 use friction::{FrictionLaw, Motion};
 
-/// Forces beyond this are taken as this, N: far above anything on a bench, far below overflow.
+/// Limit of any force, N: far above anything on a bench, far below overflow.
 pub(crate) const FORCE_LIMIT: f64 = 1e6;
-/// Speed below which a body that was being stopped is at rest, m/s: what rounding leaves of a stop.
+/// Largest residue of a stop from rounding, m/s. A body slower than this after a stop is at rest.
 const REST: f64 = 1e-14;
-/// Speed at which a law is asked which way its friction jumps at rest, m/s.
+/// Speed at which a law is evaluated to find its jump at rest, m/s.
 const NUDGE: f64 = 1e-12;
-/// While |v|·m/h is below this, N, a step could cross zero, so the law's state is kept for going back.
+/// Largest |v|·m/h, N, at which a step could cross zero; the state of the law is then kept to go back.
 const CROSSING_FORCE: f64 = 200.0;
 
-/// Friction on a body: Coulomb levels of its own guide, and a law if it slides on a surface.
+/// Friction on a body: the Coulomb friction of its guide, and a law if it slides on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Friction {
     /// Coulomb friction of the guide, N.
@@ -27,19 +27,19 @@ impl Friction {
     }
 }
 
-/// What rubs on a body.
+/// Sources of friction on a body.
 pub(crate) struct Surface<'a, L: FrictionLaw<f64>> {
     pub guide_p: f64,
     pub guide_n: f64,
     /// Normal load on the surface, N.
     pub normal: f64,
-    /// The law with its state, when the body slides on something.
+    /// The law with its state, if the body slides on a surface.
     pub law: Option<(&'a L, &'a mut L::State)>,
-    /// Counts forces that were not finite.
+    /// Number of forces that were not finite.
     pub not_finite: &'a mut u64,
 }
 
-/// Replaces what is not finite by 0, and counts it.
+/// Replaces a non-finite force by 0 and counts it.
 #[inline]
 pub(crate) fn finite(force: f64, not_finite: &mut u64) -> f64 {
     if force.is_finite() {
@@ -53,10 +53,10 @@ pub(crate) fn finite(force: f64, not_finite: &mut u64) -> f64 {
 impl<L: FrictionLaw<f64>> Surface<'_, L> {
     /// Friction during a step of `dt` that starts with `velocity` under the non-frictional force `applied`,
     /// viscous damping of the guide included.
-    /// `position` is the one half way through the step, so that a spring in a law is conservative.
+    /// `position` is that of the middle of the step, so that a spring in a law is conservative.
     ///
-    /// The guide takes its share of the stop first; how two stopping forces in series share a load is
-    /// undetermined for rigid bodies, so this is a convention.
+    /// By convention the guide takes its share of the stop first. For rigid bodies the sharing of a load between two
+    /// stopping forces is undetermined.
     #[inline]
     pub(crate) fn friction(
         &mut self,
@@ -86,8 +86,8 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
         let net = motion.applied - force;
         if velocity == 0.0 && net != 0.0 {
             let mut nudged = **state;
-            // The law does not balance the load. If its friction jumps at rest (a sgn(v) in it), it may
-            // still hold: ask it just beside rest, on the side the body would leave to (Filippov).
+            // The law does not balance the load. A law with a jump at rest, such as sgn(v), may still hold: evaluate
+            // it just beside rest, on the side the body would leave to (Filippov's convention).
             motion.velocity = NUDGE.copysign(net);
             motion.displacement = motion.velocity * dt;
             let beside = finite(law.step(&mut nudged, &motion), self.not_finite);
@@ -98,11 +98,11 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
         Friction { guide, law: force }
     }
 
-    /// Moves a body by one step of `zoh` under the constant force `applied`, and tells `segment` every
-    /// piece of the motion with one direction: (start s, length s, velocity at its start, displacement).
+    /// Moves a body by one step of `zoh` under the constant force `applied`. Calls `segment` for each part of the motion
+    /// with one direction: (start s, length s, velocity at its start, displacement).
     ///
-    /// Where the velocity would change sign the step is split: the body comes to rest there, and leaves
-    /// only if the load exceeds what friction can hold. So friction stops, and never drives.
+    /// A step in which the velocity would change sign is split. The body comes to rest there and leaves only if the load
+    /// exceeds the holding friction: friction stops a body and never drives it.
     #[inline]
     pub(crate) fn slide(
         &mut self,
@@ -126,7 +126,7 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
             segment(0.0, h, v, displacement);
             return friction.total() * displacement;
         }
-        // the force is constant, so the velocity crosses once
+        // the force is constant: the velocity crosses zero once
         let until = time_to_rest(body, v, applied - friction.total()).clamp(0.0, h);
         if let (Some((_, state)), Some(saved)) = (&mut self.law, saved) {
             **state = saved;
@@ -153,7 +153,7 @@ impl<L: FrictionLaw<f64>> Surface<'_, L> {
     }
 }
 
-/// When m·v̇ + b·v = F passes v = 0, s: (m/b)·ln(1 − b·v/F), with its limit −m·v/F.
+/// Time at which m·v̇ + b·v = F reaches v = 0, s: (m/b)·ln(1 − b·v/F), with the limit −m·v/F.
 fn time_to_rest(body: &Body, velocity: f64, force: f64) -> f64 {
     let undamped = -body.mass * velocity / force;
     let y = -body.damping * velocity / force;

@@ -1,6 +1,6 @@
-//! The quadrature encoder: a count, and when its last edge passed.
+//! The quadrature encoder: a count and the time of its last edge.
 
-/// A piece of motion in which the velocity keeps its sign.
+/// Part of the motion with one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Segment {
     /// Start, s after the nominal start of the control period.
@@ -15,17 +15,17 @@ pub(crate) struct Segment {
     pub displacement: f64,
 }
 
-/// Counts without hysteresis: the count is the nearest multiple of the resolution, its edges lie half way
-/// between multiples, so a handle at rest at 0 does not sit on an edge.
+/// Encoder without hysteresis. The count is the nearest multiple of the resolution and edges lie half-way between
+/// multiples, so a handle at rest at 0 is not on an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Encoder {
     metre_per_count: f64,
     count_per_metre: f64,
     count: i64,
-    /// Edges around the present count, m: while the handle stays between them there is nothing to do.
+    /// Edges around the present count, m. Nothing changes while the handle stays between them.
     low: f64,
     high: f64,
-    /// The segment in which the last edge passed and the count it led to, until its time is asked for.
+    /// Segment with the last edge, and the count after it, until the time of the edge is needed.
     crossing: Option<(Segment, i64, bool)>,
     edge_ticks: u32,
 }
@@ -45,8 +45,7 @@ impl Encoder {
         encoder
     }
 
-    /// round(x / resolution) with edges belonging to the count above; `as` saturates, so no position
-    /// panics.
+    /// round(x / resolution); an edge belongs to the count above it. `as` saturates, so no position panics.
     fn nearest(&self, position: f64) -> i64 {
         let scaled = position * self.count_per_metre + 0.5;
         let truncated = scaled as i64;
@@ -59,8 +58,8 @@ impl Encoder {
         self.high = (count as f64 + 0.5) * self.metre_per_count;
     }
 
-    /// Takes note of a segment that ended at `position`. Finding *when* an edge passed waits for
-    /// [`Self::read`]: only the last edge of a control period is ever asked for.
+    /// Records a segment that ended at `position`. The time of an edge is computed in [`Self::read`], because only the last
+    /// edge of a control period is needed.
     #[inline]
     pub(crate) fn observe(&mut self, segment: &Segment, position: f64) {
         if position >= self.low && position < self.high {
@@ -73,8 +72,8 @@ impl Encoder {
         }
     }
 
-    /// The count and the time stamp of the last edge. `period_start` is the stamp of the nominal start of
-    /// the control period the segments refer to.
+    /// Count, and time stamp of the last edge. `period_start` is the stamp of the nominal start of the control period that
+    /// the segments refer to.
     pub(crate) fn read(&mut self, period_start: u32, tick_hz: f64) -> (u32, u32) {
         if let Some((segment, count, upwards)) = self.crossing.take() {
             // moving up, the last edge is the one below the new count; moving down, the one above it
@@ -88,8 +87,8 @@ impl Encoder {
     }
 }
 
-/// When a segment has covered `distance`, s after its start: the root of v·t + a·t²/2 = distance, in the
-/// form that does not cancel. a is chosen so that the parabola meets both ends of the exact trajectory.
+/// Time at which a segment has covered `distance`, s after its start: the root of v·t + a·t²/2 = distance, in the form without
+/// cancellation. a is chosen so that the parabola meets both ends of the exact trajectory.
 fn time_to(distance: f64, segment: &Segment) -> f64 {
     let Segment { length, velocity, displacement, .. } = *segment;
     let acceleration = 2.0 * (displacement - velocity * length) / (length * length);

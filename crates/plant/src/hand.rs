@@ -2,7 +2,7 @@
 
 use friction::Scalar;
 
-/// A hand on the handle. It is asked once every integration step.
+/// A hand on the handle, evaluated at every integration step.
 pub trait Hand {
     /// Force on the handle in N at time `t` s, handle position `x` m and velocity `v` m/s.
     fn force(&mut self, t: f64, x: f64, v: f64) -> f64;
@@ -13,7 +13,7 @@ pub trait Hand {
     }
 }
 
-/// Nobody touches the handle.
+/// No hand: the handle is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct NoHand;
 
@@ -29,10 +29,10 @@ impl<F: FnMut(f64, f64, f64) -> f64> Hand for F {
     }
 }
 
-/// A scripted force source: it pushes the same whatever the handle does.
+/// A scripted force source, independent of the motion of the handle.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HandForce {
-    /// Pushes with `force` N from `from` s until `until` s, then lets go.
+    /// A push of `force` N from `from` s to `until` s.
     PushRelease {
         /// N.
         force: f64,
@@ -41,7 +41,7 @@ pub enum HandForce {
         /// s.
         until: f64,
     },
-    /// Grows by `rate` N/s from `from` s on, up to `limit` N in magnitude.
+    /// A ramp of `rate` N/s that begins at `from` s and ends at a magnitude of `limit` N.
     Ramp {
         /// N/s.
         rate: f64,
@@ -59,7 +59,7 @@ pub enum HandForce {
         /// N.
         offset: f64,
     },
-    /// (time s, force N) in rising time; each force holds until the next entry. 0 N before the first.
+    /// Steps (time s, force N) in order of time. Each force holds until the next step; 0 N before the first.
     Steps(Vec<(f64, f64)>),
 }
 
@@ -88,15 +88,15 @@ impl Hand for HandForce {
     }
 }
 
-/// Where an impedance wants the handle to be.
+/// Target position of an impedance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
-    /// Holds still at `position` m.
+    /// Constant `position`, m.
     Hold {
         /// m.
         position: f64,
     },
-    /// From `start` m at `velocity` m/s for ever.
+    /// Constant velocity from `start`.
     Ramp {
         /// m.
         start: f64,
@@ -112,7 +112,7 @@ pub enum Target {
         /// Hz.
         frequency: f64,
     },
-    /// A reach: the minimum-jerk path from `from` m to `to` m, beginning at `at` s and lasting `duration` s.
+    /// A reach along the minimum-jerk path from `from` m to `to` m, from `at` s for `duration` s.
     Reach {
         /// m.
         from: f64,
@@ -123,8 +123,8 @@ pub enum Target {
         /// s.
         duration: f64,
     },
-    /// Follows what somebody points at: from where it is to `to` m as a critically damped second-order lag, so that
-    /// neither its position nor its velocity jumps when `to` does.
+    /// A pointed target: a critically damped second-order lag towards `to` m, so that neither position nor velocity jumps
+    /// when `to` does.
     Pursuit {
         /// m.
         from: f64,
@@ -140,7 +140,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// Position in m and velocity in m/s at `t` s.
+    /// Position, m, and velocity, m/s, at `t` s.
     #[must_use]
     pub fn at(&self, t: f64) -> (f64, f64) {
         match *self {
@@ -170,12 +170,12 @@ impl Target {
     }
 }
 
-/// Sine and cosine of 2π·`turns`. Whole quarters are taken off before 2π is multiplied in: exact, and the angle left is
-/// so small that `libm` has nothing to reduce, which was a third of the time of a rig with a hand on it.
+/// Sine and cosine of 2π·`turns`. Whole quarters are removed before the multiplication by 2π. That is exact, and spares `libm`
+/// the reduction of its argument, which took a third of the time of a rig with a hand.
 fn turn(turns: f64) -> (f64, f64) {
     let quarters = libm::rint(turns * 4.0);
     let (sin, cos) = libm::sincos((turns - quarters * 0.25) * core::f64::consts::TAU);
-    // `as` saturates: beyond 2⁶³ quarters a float knows no angle any more
+    // `as` saturates: beyond 2⁶³ quarters a float has no angle
     match quarters as i64 & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -193,7 +193,7 @@ pub struct HandImpedance {
     pub stiffness: f64,
     /// Damping, N·s/m.
     pub damping: f64,
-    /// Where it wants to be.
+    /// Target position.
     pub target: Target,
 }
 
@@ -221,11 +221,11 @@ mod tests {
     use super::{Target, turn};
 
     #[test]
-    fn a_hand_that_is_pointed_elsewhere_jumps_neither_in_place_nor_in_speed() {
+    fn a_moved_pointer_causes_no_jump() {
         let first = Target::Pursuit { from: 0.0, velocity: 0.0, to: 0.01, at: 1.0, rate: 100.0 };
         assert_eq!(first.at(1.0), (0.0, 0.0));
         assert!((first.at(1.2).0 - 0.01).abs() < 1e-9);
-        // pointed elsewhere while it still moves
+        // the target moves while the hand still moves
         let (from, velocity) = first.at(1.013);
         let next = Target::Pursuit { from, velocity, to: -0.004, at: 1.013, rate: 100.0 };
         assert_eq!(next.at(1.013), (from, velocity));
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_is_a_sine_and_a_cosine() {
+    fn a_turn_matches_sine_and_cosine() {
         let mut worst = 0.0_f64;
         for k in -40_000..40_000 {
             let turns = f64::from(k) * 1.7e-4;

@@ -1,44 +1,42 @@
-//! A complete law with left-out effects on top: the block of a rig in which something is concealed.
+//! A complete law plus effects: the block of a rig in which an effect is concealed.
 
 use friction::effects::{Effect, EffectState};
 use friction::{FrictionLaw, Invalid, Motion};
 
-/// Most effects on one block.
+/// Largest number of effects on one block.
 pub const MAX_EFFECTS: usize = 4;
 
-/// A base law plus up to [`MAX_EFFECTS`] effects of the catalogue. It is a law itself, so a rig takes it
-/// like any other.
+/// A base law plus up to [`MAX_EFFECTS`] effects of the catalogue. The sum is a law itself.
 ///
-/// The effects act first; what the base law may have to balance or stop is the load they leave. So friction
-/// that is added on top adds to stiction, too, and a spring that pulls is held by it.
+/// The effects act first, and the base law balances or stops the remaining load. Additional friction therefore also adds to
+/// stiction, and stiction holds a spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layered<L> {
     /// The complete law underneath.
     pub base: L,
-    /// Mass of the block, kg. Given, effects that scale with the load (`load_dependent_friction`,
-    /// `torque_ripple`) see the force *on the block*, which is what a load cell between device and block
-    /// measures, and what a recording calls the applied force. `None`: they see the force on everything
-    /// that moves.
+    /// Mass of the block, kg. If given, effects that scale with the load (`load_dependent_friction`, `torque_ripple`) see
+    /// the force *on the block*, which a load cell between device and block measures and a recording calls the applied
+    /// force. With `None` they see the force on the whole moving mass.
     pub block_mass: Option<f64>,
     effects: [Option<Effect<f64>>; MAX_EFFECTS],
 }
 
-/// Memory of a [`Layered`] law.
+/// State of a [`Layered`] law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LayeredState<S> {
     base: S,
     effects: [EffectState<f64>; MAX_EFFECTS],
-    /// Friction of the last step, N.
+    /// Friction of the previous step, N.
     force: f64,
 }
 
 impl<L> Layered<L> {
-    /// A law with nothing on top.
+    /// A law without effects.
     pub const fn new(base: L) -> Self {
         Self { base, block_mass: None, effects: [None; MAX_EFFECTS] }
     }
 
-    /// A law with `effects` on top.
+    /// A law with `effects`.
     ///
     /// # Errors
     /// More than [`MAX_EFFECTS`] effects.
@@ -53,7 +51,7 @@ impl<L> Layered<L> {
     /// Adds one effect.
     ///
     /// # Errors
-    /// There are [`MAX_EFFECTS`] already.
+    /// There are already [`MAX_EFFECTS`] effects.
     pub fn add(&mut self, effect: Effect<f64>) -> Result<(), Invalid> {
         let free = self.effects.iter_mut().find(|slot| slot.is_none()).ok_or(Invalid {
             parameter: "effects",
@@ -65,8 +63,8 @@ impl<L> Layered<L> {
         Ok(())
     }
 
-    /// Force on the block, N: of the force on the whole moving mass, what the device's own inertia leaves.
-    /// m_b·a + f with a = (F − f)/m, f that of the last step.
+    /// Force on the block, N: the force on the whole moving mass less the inertia of the device, m_b·a + f with
+    /// a = (F − f)/m and f of the previous step.
     fn load_on_block(&self, motion: &Motion<f64>, friction: f64) -> f64 {
         match self.block_mass {
             Some(block) if motion.mass > block => {
@@ -77,7 +75,7 @@ impl<L> Layered<L> {
         }
     }
 
-    /// The effects on top.
+    /// The effects.
     pub fn effects(&self) -> impl Iterator<Item = &Effect<f64>> {
         self.effects.iter().flatten()
     }
@@ -91,7 +89,7 @@ impl<L: FrictionLaw<f64>> FrictionLaw<f64> for Layered<L> {
         let mut on_top = 0.0;
         if self.effects[0].is_some() {
             let seen = Motion { applied: self.load_on_block(motion, state.force), ..*motion };
-            // effects fill from the front
+            // effects fill the array from the front
             for (effect, memory) in self.effects.iter().zip(&mut state.effects) {
                 let Some(effect) = effect else { break };
                 on_top += effect.step(memory, &seen);

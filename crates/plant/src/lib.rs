@@ -1,17 +1,15 @@
-//! The simulated rig of the thesis: device, load cell, block, sensors with their noise, and the human hand.
+#![doc = include_str!("../README.md")]
 //!
-//! * [`Rig`] advances one control period at a time: a command in, raw codes and time stamps out
-//!   ([`Sensors`]), and beside them what really happened ([`Truth`]).
-//! * The device is m·ẍ + b·ẋ = F, solved exactly over each of at least 10 integration steps a period
-//!   ([`Zoh`], eq. 4.15). Friction is a stopping force: a zero crossing is an event, the body comes to rest
-//!   there and leaves only under a load that friction cannot hold.
+//! ## Items
+//!
+//! * [`Rig`] advances one control period at a time: a command in, raw codes and time stamps out ([`Sensors`]), and the true
+//!   state ([`Truth`]).
+//! * [`Zoh`] is the exact solution of the mass-damper over a step [thesis, eq. 4.15].
 //! * The block's friction is any [`friction::FrictionLaw`], a closure ([`friction::Custom`]), or a law with
 //!   left-out effects on top ([`Layered`]).
 //! * [`Hand`]s push the handle: [`HandForce`], [`HandImpedance`], or a closure of (t, x, v).
-//! * [`ThesisExperiment`] is the identification experiment of ch. 3.5 on the [`materials`] of table 3-3.
-//! * [`Calibration`] turns codes into SI and back, for the rig and for whoever reads it.
-//!
-//! Positive is forward; a friction force is positive against forward motion.
+//! * [`ThesisExperiment`] is the identification experiment of [thesis, ch. 3.5] on the [`materials`] of [thesis, table 3-3].
+//! * [`Calibration`] converts between codes and SI.
 #![forbid(unsafe_code)]
 
 mod calibration;

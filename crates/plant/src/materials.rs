@@ -1,24 +1,24 @@
-//! The aluminium block on brass, Teflon and rubber: table 3-3, as printed.
+//! An aluminium block on brass, Teflon and rubber, as printed in [thesis, table 3-3].
 
 use friction::Karnopp;
 
-/// Mass of the block on a scale, kg (ch. 3.6). Table 3-3 *estimates* it, run by run.
+/// Mass of the block on a scale, kg [thesis, ch. 3.6]. The masses in [thesis, table 3-3] are estimates.
 pub const WEIGHED_BLOCK_MASS: f64 = 0.419;
 
-/// A column of table 3-3: what sliding the block on a surface was identified as.
+/// A column of [thesis, table 3-3]: the block identified on one surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// "brass 1", "Teflon 2", …
     pub name: &'static str,
-    /// Mass as estimated in that run, kg.
+    /// Estimated mass of this run, kg.
     pub mass: f64,
-    /// Karnopp's law with the levels of that run; all magnitudes.
+    /// Karnopp's law with the levels of this run, as magnitudes.
     pub law: Karnopp<f64>,
-    /// Standard deviations that the thesis prints for m, C_p, b_p, C_n, b_n.
+    /// Printed standard deviations of m, C_p, b_p, C_n, b_n.
     pub printed_std: [f64; 5],
 }
 
-/// Table 3-3, all six columns: both runs on brass, Teflon and rubber.
+/// All six columns of [thesis, table 3-3]: both runs on brass, Teflon and rubber.
 pub const TABLE_3_3: [Material; 6] = [
     Material {
         name: "brass 1",
@@ -106,14 +106,14 @@ pub const TABLE_3_3: [Material; 6] = [
     },
 ];
 
-/// Aluminium on brass, run 1 of table 3-3.
+/// Aluminium on brass, run 1 of [thesis, table 3-3].
 pub const BRASS: Material = TABLE_3_3[0];
-/// Aluminium on Teflon, run 1 of table 3-3.
+/// Aluminium on Teflon, run 1 of [thesis, table 3-3].
 pub const TEFLON: Material = TABLE_3_3[2];
-/// Aluminium on rubber, run 1 of table 3-3.
+/// Aluminium on rubber, run 1 of [thesis, table 3-3].
 pub const RUBBER: Material = TABLE_3_3[4];
 
-/// The material of that name, case ignored; "rubber" is run 1.
+/// The material with this name, in any case. "rubber" is run 1.
 #[must_use]
 pub fn material(name: &str) -> Option<Material> {
     let name = name.trim();

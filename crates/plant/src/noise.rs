@@ -1,11 +1,10 @@
-//! Sensor noise, seeded: the same seed gives the same codes on every platform.
+//! Seeded sensor noise: the same seed gives the same codes on every platform.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// White Gaussian noise. Every sensor has a stream of its own, so switching one off or changing its size
-/// does not change what another one draws.
+/// White Gaussian noise. Each sensor has its own stream: changing the noise of one leaves the draws of the others.
 #[derive(Debug, Clone)]
 pub(crate) struct Noise {
     rng: ChaCha8Rng,
@@ -18,7 +17,7 @@ impl Noise {
         Self { rng }
     }
 
-    /// A draw of standard deviation `std`; always consumes the stream, also for `std` = 0.
+    /// A draw with standard deviation `std`. Advances the stream also for `std` = 0.
     #[inline]
     pub(crate) fn draw(&mut self, std: f64) -> f64 {
         let unit: f64 = StandardNormal.sample(&mut self.rng);

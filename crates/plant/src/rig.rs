@@ -6,14 +6,14 @@ use crate::noise::Noise;
 use crate::{Coupling, Hand, RigConfig, Sensors, Truth, Wire, Zoh};
 use friction::{FrictionLaw, Invalid};
 
-/// Step over which a law is asked for its force at one instant, s.
+/// Step length with which a law is evaluated at one instant, s.
 const INSTANT: f64 = 1e-9;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
 /// Longest actuation delay, control periods.
 const DELAY: usize = 9;
 
-/// Exact coefficients for one step length.
+/// Exact coefficients of one step length.
 #[derive(Debug, Clone, Copy)]
 struct Steps {
     handle: Zoh,
@@ -44,14 +44,14 @@ pub struct Rig<L: FrictionLaw<f64>> {
     normal: f64,
     steps: Steps,
     encoder: Encoder,
-    /// The last commands, newest at `newest`.
+    /// The latest commands, the newest at index `newest`.
     commands: [f64; DELAY],
     newest: usize,
-    /// When the present length of the period began, ticks since the start.
+    /// Time at which the period got its present length, ticks since the start.
     origin: u64,
-    /// Control periods since then.
+    /// Control periods since that time.
     periods: u64,
-    /// Sampling instant of the last sample, ticks from its nominal time.
+    /// Offset of the last sample from its nominal time, ticks.
     jitter: i32,
     load_noise: Noise,
     accel_noise: Noise,
@@ -101,10 +101,10 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         Ok(rig)
     }
 
-    /// From the next tick on a control period has this many timer ticks.
+    /// Sets the length of a control period from the next tick on, timer ticks.
     ///
     /// # Errors
-    /// A number of ticks that no rig has; the old length stays.
+    /// A length out of range. The old length stays.
     pub fn set_period_ticks(&mut self, ticks: u32) -> Result<(), Invalid> {
         let changed = RigConfig { period_ticks: ticks, ..self.config };
         changed.validate()?;
@@ -117,8 +117,8 @@ impl<L: FrictionLaw<f64>> Rig<L> {
 
     /// Advances one control period and returns the samples at its end.
     ///
-    /// `command` in N acts after the actuation delay, limited to what the actuator can; the `hand` acts at
-    /// once. A command that is not finite is taken as 0 N and counted in [`Truth::not_finite`].
+    /// `command`, N, acts after the actuation delay, limited to the range of the actuator. The `hand` acts at once. A
+    /// non-finite command acts as 0 N and is counted in [`Truth::not_finite`].
     pub fn tick(&mut self, command: f64, hand: &mut dyn Hand) -> Sensors {
         let hand_mass = hand.mass();
         if hand_mass != self.hand_mass {
@@ -143,7 +143,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             let limit = 0.25 * h / tick;
             let drawn = self.clock_noise.draw(self.config.clock_jitter_ticks).clamp(-limit, limit);
             self.jitter = libm::round(drawn) as i32;
-            // only the first and the last step of a period have a length of their own
+            // only the first and the last step of a period differ in length
             let last = self.config.substeps - 1;
             for k in 0..self.config.substeps {
                 let nominal_end = f64::from(k + 1) * h;
@@ -166,13 +166,13 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         self.sensors
     }
 
-    /// The samples [`Self::tick`] returned last; at the start those of the rig at rest.
+    /// The samples that [`Self::tick`] returned last; at the start, those of the rig at rest.
     #[must_use]
     pub fn sensors(&self) -> Sensors {
         self.sensors
     }
 
-    /// What really happened, without noise.
+    /// The true state, without noise.
     #[must_use]
     pub fn truth(&self) -> Truth {
         self.truth
@@ -190,10 +190,10 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         &self.law
     }
 
-    /// Swaps the surface under the block at once; the contact starts fresh.
+    /// Replaces the surface under the block at once. The contact starts fresh.
     ///
     /// # Errors
-    /// The first parameter of `law` that is out of range; the old law stays.
+    /// The first parameter of `law` that is out of range. The old law stays.
     pub fn set_law(&mut self, law: L) -> Result<(), Invalid> {
         law.validate()?;
         self.law = law;
@@ -201,10 +201,10 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         Ok(())
     }
 
-    /// Puts a block of another mass on another surface; mass 0 takes the block off.
+    /// Replaces block and surface. Mass 0 removes the block.
     ///
     /// # Errors
-    /// The first parameter that is out of range; the old block stays.
+    /// The first parameter that is out of range. The old block stays.
     pub fn set_block(&mut self, mass: f64, law: L) -> Result<(), Invalid> {
         law.validate()?;
         self.reconfigure(RigConfig { block_mass: mass, ..self.config })?;
@@ -213,10 +213,10 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         self.set_law(law)
     }
 
-    /// Changes the rig while it runs. Position, velocity, time and noise go on from where they are.
+    /// Changes the configuration while the rig runs. Position, velocity, time and noise continue.
     ///
     /// # Errors
-    /// The first parameter out of range; the old configuration stays.
+    /// The first parameter out of range. The old configuration stays.
     pub fn reconfigure(&mut self, config: RigConfig) -> Result<(), Invalid> {
         config.validate()?;
         let encoder_changed = config.calibration.metre_per_count != self.config.calibration.metre_per_count;
@@ -228,7 +228,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         Ok(())
     }
 
-    /// Back to t = 0, at rest at the start position, with the same seed: a run repeats bit for bit.
+    /// Returns to t = 0, at rest at the start position, with the same seed. A run then repeats bit for bit.
     pub fn reset(&mut self)
     where
         L: Clone,
@@ -250,7 +250,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         self.origin.wrapping_add(periods.wrapping_mul(u64::from(self.config.period_ticks)))
     }
 
-    /// Masses and coefficients after a change of configuration or of the hand.
+    /// Updates masses and coefficients after a change of configuration or hand.
     fn rebuild(&mut self) {
         let block_on_handle = if self.rigid() { self.config.block_mass } else { 0.0 };
         self.handle.mass = self.config.device_mass + block_on_handle + self.hand_mass;
@@ -281,7 +281,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         -side * push.max(0.0)
     }
 
-    /// Force from the handle on the block through a compliant coupling, N.
+    /// Force of the handle on the block through a compliant coupling, N.
     #[inline]
     fn coupling_force(&self, handle: f64, block: f64, relative_velocity: f64) -> f64 {
         match self.config.coupling {
@@ -292,9 +292,8 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         }
     }
 
-    /// One integration step. Forces that depend on position are taken where the handle will be half way:
-    /// with the force held, that makes a spring exactly conservative on average, where taking them at the
-    /// start would feed it energy.
+    /// One integration step. Forces that depend on position are evaluated at the middle of the step. With the force held,
+    /// a spring is then conservative on average; evaluated at the start of the step it would gain energy.
     #[inline]
     fn substep(&mut self, began: f64, start: f64, actuator: f64, hand: &mut dyn Hand, steps: &Steps) {
         let h = steps.handle.step;
@@ -346,7 +345,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         self.truth.hand_work += hand_force * travelled;
     }
 
-    /// Forces and accelerations at the sampling instant, with the law's state left alone.
+    /// Forces and accelerations at the sampling instant. Does not change the state of the law.
     fn observe(&mut self, actuator: f64, hand: &mut dyn Hand) {
         let (x, v) = (self.handle.position, self.handle.velocity);
         let hand_force = finite(hand.force(self.truth.time, x, v), &mut self.truth.not_finite);
@@ -394,7 +393,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         truth.block_position = self.block.position;
         truth.block_velocity = self.block.velocity;
         truth.hand_force = hand_force - self.hand_mass * acceleration;
-        // without a block the handle hangs on the load cell, and with it whoever holds it
+        // without a block the load cell carries the handle and the hand that holds it
         truth.force_at_load_cell = if self.config.block_mass > 0.0 {
             at_load_cell
         } else {
@@ -409,7 +408,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
     /// Codes and time stamps at the sampling instant.
     fn sample(&mut self) -> Sensors {
         let calibration = &self.config.calibration;
-        // `as` wraps as the counter does
+        // `as` wraps like the counter
         let nominal = self.ticks_of(self.periods) as u32;
         let period_start = if self.periods == 0 && self.origin == 0 {
             nominal

@@ -1,4 +1,4 @@
-//! The identification experiment of ch. 3.5, simulated: a recording as the thesis made them.
+//! The identification experiment of [thesis, ch. 3.5], simulated.
 
 use crate::materials::Material;
 use crate::noise::Noise;
@@ -27,7 +27,7 @@ impl Series {
         self.time.len()
     }
 
-    /// No samples at all.
+    /// Whether there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
@@ -48,21 +48,21 @@ pub struct MeasurementNoise {
 }
 
 impl MeasurementNoise {
-    /// Table 3-2.
+    /// [thesis, table 3-2].
     pub const THESIS: Self =
         Self { position: 5.76e-5, velocity: 3.18e-3, acceleration: 0.2379, force: 0.062 };
 }
 
-/// How the block is moved: a PD-driven sine through the second-order low-pass on the command.
+/// Excitation of the block: a sine under PD control, with a second-order low-pass on the command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Excitation {
     /// m.
     pub amplitude: f64,
     /// Hz.
     pub frequency: f64,
-    /// Thrown away before the recording starts, s.
+    /// Warm-up before the recording, s.
     pub warm_up: f64,
-    /// Recorded, s.
+    /// Length of the recording, s.
     pub seconds: f64,
     /// Proportional gain, N/m.
     pub stiffness: f64,
@@ -73,8 +73,8 @@ pub struct Excitation {
 }
 
 impl Excitation {
-    /// Ch. 3.5: 2 Hz, 10 mm, 10 s of warm-up, 2 s recorded, command filtered at 100 Hz. The thesis tuned
-    /// its PD gains by hand and does not print them; these give a smooth sine under every material.
+    /// 2 Hz, 10 mm, 10 s of warm-up, 2 s recorded, command filtered at 100 Hz [thesis, ch. 3.5]. The PD gains, which are
+    /// not printed, give a smooth sine on every material.
     pub const THESIS: Self = Self {
         amplitude: 0.01,
         frequency: 2.0,
@@ -86,7 +86,7 @@ impl Excitation {
     };
 }
 
-/// One experiment, simulated once: the noise-free truth, from which any number of recordings can be drawn.
+/// One experiment, simulated once: the noise-free truth, from which recordings are drawn.
 ///
 /// ```
 /// use plant::{ThesisExperiment, materials};
@@ -98,14 +98,14 @@ impl Excitation {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThesisExperiment {
-    /// What really happened, without noise.
+    /// The true state, without noise.
     pub truth: Series,
     /// Friction of the block, N, positive against positive motion: `force` − mass·`acceleration`.
     pub friction: Vec<f64>,
 }
 
 impl ThesisExperiment {
-    /// The experiment of the thesis on a column of table 3-3: its printed mass and law.
+    /// The experiment with the mass and law of a column of [thesis, table 3-3].
     ///
     /// # Errors
     /// A parameter of the material that is out of range.
@@ -113,7 +113,7 @@ impl ThesisExperiment {
         Self::with(material.mass, material.law, &Excitation::THESIS)
     }
 
-    /// The same experiment with any block mass in kg, law and excitation, on the rig of the thesis.
+    /// The experiment with any block mass, kg, law and excitation, on the rig of [thesis, table 3-1].
     ///
     /// # Errors
     /// A parameter that is out of range.
@@ -150,13 +150,13 @@ impl ThesisExperiment {
         Ok(result)
     }
 
-    /// A recording with the measurement errors of table 3-2, drawn from `seed`: about 0.1 ms for 2 s.
+    /// A recording with the measurement errors of [thesis, table 3-2], drawn from `seed`. Takes about 0.1 ms for 2 s.
     #[must_use]
     pub fn recording(&self, seed: u64) -> Series {
         self.recording_with(&MeasurementNoise::THESIS, seed)
     }
 
-    /// A recording with other measurement errors. Each column draws from a stream of its own.
+    /// A recording with other measurement errors. Each column has its own stream.
     #[must_use]
     pub fn recording_with(&self, noise: &MeasurementNoise, seed: u64) -> Series {
         let noisy = |column: &[f64], stream: u64, std: f64| {
@@ -173,7 +173,7 @@ impl ThesisExperiment {
     }
 }
 
-/// One recording of the thesis's experiment on `material`. For many seeds simulate once with
+/// One recording of the experiment of [thesis, ch. 3.5] on `material`. For many seeds, simulate once with
 /// [`ThesisExperiment::on`] and draw from that.
 ///
 /// # Errors

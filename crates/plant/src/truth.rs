@@ -1,7 +1,7 @@
-//! What really happened, beside what the sensors say.
+//! The true state of the rig, and the readings of its sensors.
 
-/// The noise-free state of the rig at the last sampling instant. Forces are those just before it, while the
-/// command of the period that ended was still acting.
+/// Noise-free state of the rig at the last sampling instant. Forces are those just before it, under the command of the
+/// period that ended.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Truth {
     /// Time since the start, s.
@@ -12,12 +12,12 @@ pub struct Truth {
     pub velocity: f64,
     /// Acceleration of the handle, m/s².
     pub acceleration: f64,
-    /// Position of the block, m; that of the handle when coupled rigidly or when there is no block.
+    /// Position of the block, m. Without a block, or with a rigid coupling, that of the handle.
     pub block_position: f64,
     /// Velocity of the block, m/s.
     pub block_velocity: f64,
-    /// Force that acted between device and block, N: m_block·a + friction of the block. Without a block the handle
-    /// is in its place: m_handle·a less the force of the hand on it.
+    /// Force between device and block, N: m_block·a + friction of the block. Without a block m_handle·a less the force of
+    /// the hand.
     pub force_at_load_cell: f64,
     /// Friction of the block, N, positive against positive motion.
     pub friction: f64,
@@ -29,27 +29,27 @@ pub struct Truth {
     pub actuator_force: f64,
     /// Force of the hard stops on the handle, N.
     pub stop_force: f64,
-    /// The block rests and its friction holds it.
+    /// Whether the block is at rest, held by its friction.
     pub stuck: bool,
     /// Work done by the actuator since the start, J.
     pub actuator_work: f64,
     /// Work done by the hand since the start, J.
     pub hand_work: f64,
-    /// Work taken by both frictions since the start, J. A law with a spring in it stores part of this.
+    /// Work done against both frictions since the start, J. A law with a spring stores part of it.
     pub friction_work: f64,
-    /// Forces (command, hand, law) that were not finite and were taken as 0 N, since the start. Anything
-    /// but 0 means that the run is not to be trusted.
+    /// Number of forces (command, hand, law) that were not finite and acted as 0 N, since the start. With any value but 0
+    /// the run is invalid.
     pub not_finite: u64,
 }
 
-/// What the controller gets: raw codes and time stamps, the same meaning as on the board.
+/// Inputs of the controller: raw codes and time stamps, as on the board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sensors {
-    /// When the sample was taken, ticks of the free-running timer; wraps.
+    /// Time of the sample, timer ticks. Wraps.
     pub sample_ticks: u32,
-    /// Quadrature count; wraps.
+    /// Quadrature count. Wraps.
     pub count: u32,
-    /// When the last encoder edge passed, ticks of the same timer; wraps. 0 before the first edge.
+    /// Time of the last encoder edge, ticks of the same timer. Wraps; 0 before the first edge.
     pub edge_ticks: u32,
     /// Load cell code.
     pub load_code: u16,

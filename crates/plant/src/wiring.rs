@@ -1,19 +1,19 @@
-//! Mistakes of wiring, and what is put on the rig's sensors on the bench.
+//! Wiring errors, and loads on the sensors during a calibration.
 
-/// How one signal is wired.
+/// Wiring of one signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wire {
-    /// As it should be.
+    /// Correct.
     #[default]
     Right,
-    /// Two wires exchanged: the sign is wrong.
+    /// Two wires exchanged: wrong sign.
     Swapped,
-    /// No contact: a sensor stays where it is (analogue: at the code of zero, without noise), an amplifier gives nothing.
+    /// No contact. A sensor keeps its value (analogue: the code of zero, without noise); an amplifier gives no force.
     Dead,
 }
 
 impl Wire {
-    /// By its name: `right`, `swapped`, `dead`.
+    /// The wiring named `right`, `swapped` or `dead`.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         match id {
@@ -24,7 +24,7 @@ impl Wire {
         }
     }
 
-    /// What becomes of a signal; `None` when nothing does.
+    /// Factor on a signal; `None` for a dead one.
     pub(crate) fn pass(self, signal: f64) -> Option<f64> {
         match self {
             Self::Right => Some(signal),
@@ -34,10 +34,10 @@ impl Wire {
     }
 }
 
-/// The signals of the rig.
+/// Wiring of the rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wiring {
-    /// Quadrature channels; exchanged they count backwards.
+    /// Quadrature channels. Exchanged, they count backwards.
     pub encoder: Wire,
     /// Load cell.
     pub load: Wire,
@@ -47,11 +47,11 @@ pub struct Wiring {
     pub amplifier: Wire,
 }
 
-/// What a person does to the sensors for a calibration, the slide being locked. The motion does not notice it.
+/// Loads on the sensors during a calibration, with the slide locked. They do not act on the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bench {
-    /// Weight hung on the load cell in the direction of positive force, N.
+    /// Weight on the load cell in the direction of positive force, N.
     pub weight: f64,
-    /// Component of gravity along the accelerometer's axis that it reads, m/s²: ±9.80665 standing on either end.
+    /// Gravity along the axis of the accelerometer, m/s²: ±9.80665 when it stands on either end.
     pub gravity: f64,
 }

@@ -1,13 +1,13 @@
-//! The mass-damper of eq. 4.14, solved exactly over a step with the force held (eq. 4.15).
+//! The mass-damper of [thesis, eq. 4.14] with the exact solution over a step of constant force [thesis, eq. 4.15].
 
 /// m·ẍ + b·ẋ = F over one step h with F constant:
-/// v′ = E·v + A·F, x′ = x + B·v + C·F, with E = e^(−bh/m). Coefficients are exact for every b ≥ 0,
-/// the limit b → 0 included.
+/// v′ = E·v + A·F, x′ = x + B·v + C·F, with E = e^(−bh/m). Coefficients are exact for every b ≥ 0, including the limit
+/// b → 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zoh {
     /// Length of the step, s.
     pub step: f64,
-    /// E: what is left of the velocity.
+    /// E, the factor on the velocity.
     pub decay: f64,
     /// A, velocity per force, m/s/N.
     pub velocity_per_force: f64,
@@ -15,8 +15,8 @@ pub struct Zoh {
     pub displacement_per_velocity: f64,
     /// C, displacement per force, m/N.
     pub displacement_per_force: f64,
-    /// What v/h is multiplied with for a force that, with the damping b·v at the start of the step, ends the
-    /// step at rest exactly, kg: F = −(m_stop/h − b)·v. It is the mass where there is no damping.
+    /// Mass m_stop, kg, for which the force F = −(m_stop/h − b)·v ends the step exactly at rest. Equals the mass without
+    /// damping.
     pub stopping_mass: f64,
 }
 
@@ -49,7 +49,7 @@ impl Zoh {
     }
 }
 
-/// φ₁ = (1 − e^−y)/y and φ₂ = (y − 1 + e^−y)/y²; the series where the closed form cancels.
+/// φ₁ = (1 − e^−y)/y and φ₂ = (y − 1 + e^−y)/y², by series where the closed form cancels.
 fn phi(y: f64) -> (f64, f64) {
     if y < 0.25 {
         // Σ (−y)^k / (k+2)!; the 12th term is below 1e-17 here

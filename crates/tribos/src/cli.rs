@@ -1,8 +1,8 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    compare, connect, convert, demo, design, diagnose, experiment, figures, identify, investigate, lab,
-    predict, preset, prove, record, simulate,
+    compare, connect, convert, demo, design, design_args, diagnose, experiment, figures, identify,
+    investigate, lab, predict, preset, prove, record, simulate,
 };
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
@@ -29,7 +29,7 @@ enum Command {
     Identify(identify::Args),
     /// Find out where a simulation goes wrong on recordings, and what physics it left out
     Diagnose(diagnose::Args),
-    /// Diagnose, make the move that separates what is left, repeat
+    /// Diagnose, run the experiment that separates the remaining explanations, repeat
     Investigate(investigate::Args),
     /// Compare a rendered block with a real one, in just noticeable differences
     Compare(compare::Args),
@@ -40,8 +40,8 @@ enum Command {
     /// Presets: the library, a device's, files
     Preset(preset::Args),
     /// Stability bounds and limit cycles of a rendered block, before anything runs
-    Design(design::Args),
-    /// Draw the figures of the thesis anew, with its numbers beside ours
+    Design(design_args::Args),
+    /// Redraw the figures of Richard's thesis, with its numbers beside ours
     Figures(figures::Args),
     /// The perception experiments: analyse sessions, simulate subjects
     Experiment(experiment::Args),

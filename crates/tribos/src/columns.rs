@@ -1,6 +1,6 @@
-//! The columns of a recording under the names they have in a file.
+//! Columns of a recording with their names in files.
 
-use identify::{Geometry, Recording};
+use signals::{Geometry, Recording};
 
 /// One signal of a recording.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +15,7 @@ pub(crate) struct Column<'a> {
     pub values: &'a [f64],
 }
 
-/// Every signal the recording has but time, in the order of a CSV header.
+/// All signals except time, in the order of a CSV header.
 pub(crate) fn columns(recording: &Recording) -> Vec<Column<'_>> {
     let rotary = recording.geometry == Geometry::Rotary;
     let pick = |linear: (&'static str, &'static str), turning: (&'static str, &'static str)| {

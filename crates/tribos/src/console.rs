@@ -1,9 +1,7 @@
-//! The console of `connect`: a live plot above, answers in the middle, a line to type on below; plain lines
-//! when there is no terminal.
+//! The console of `connect`: live plot, answers, and command line; plain lines without a terminal.
 
 use crate::failure::{Failure, Result};
-use crate::raw::Point;
-use crate::session::{Event, Session};
+use client::{Event, Sample, Session};
 use ratatui::crossterm::event::{self, Event as Key, KeyCode, KeyEventKind, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
@@ -15,19 +13,19 @@ use std::collections::VecDeque;
 use std::io::{BufRead, Write};
 use std::time::{Duration, Instant};
 
-/// Seconds of motion on the screen.
+/// Length of the plot, s.
 const WINDOW_S: f64 = 5.0;
-/// Points kept for it; more than a terminal is wide.
+/// Number of plotted points, more than the width of a terminal.
 const MAX_POINTS: usize = 2000;
-/// Lines of answers kept.
+/// Number of answer lines kept.
 const MAX_LINES: usize = 500;
-/// Characters the device takes on one line.
+/// Longest line accepted by the device, characters.
 const MAX_INPUT: usize = 200;
 
 /// What the screen shows.
 #[derive(Debug, Default)]
 struct Screen {
-    points: VecDeque<Point>,
+    points: VecDeque<Sample>,
     lines: VecDeque<String>,
     input: String,
     history: Vec<String>,
@@ -44,8 +42,8 @@ impl Screen {
                 self.say(header.describe());
             }
             Event::Sample(sample) => {
-                self.points.push_back(sample.point);
-                let newest = sample.point.time;
+                self.points.push_back(sample);
+                let newest = sample.time;
                 while self.points.len() > MAX_POINTS
                     || self.points.front().is_some_and(|p| p.time < newest - WINDOW_S)
                 {
@@ -63,10 +61,11 @@ impl Screen {
         }
     }
 
-    /// What a key does; `None` ends the console.
+    /// Handles a key. `None` ends the console.
     fn key(&mut self, code: KeyCode, control: bool) -> Option<Option<String>> {
         match code {
-            KeyCode::Esc => return None,
+            KeyCode::Esc => return self.off(),
+            KeyCode::Char(' ') if self.input.is_empty() => return self.off(),
             KeyCode::Char('c' | 'd') if control => return None,
             KeyCode::Char('q') if self.input.is_empty() => return None,
             KeyCode::Char(c) if !control && self.input.chars().count() < MAX_INPUT => self.input.push(c),
@@ -91,6 +90,12 @@ impl Screen {
             _ => {}
         }
         Some(None)
+    }
+
+    /// The command that takes the force away. What is typed stays.
+    fn off(&mut self) -> Option<Option<String>> {
+        self.say("> off".into());
+        Some(Some("off".into()))
     }
 
     fn recall(&mut self) {
@@ -124,11 +129,20 @@ impl Screen {
         let typed = Paragraph::new(format!("{}▏", self.input)).block(Block::bordered().title(" command "));
         frame.render_widget(typed, input);
         let lost = if self.lost > 0 { format!("   {} frames lost", self.lost) } else { String::new() };
-        let keys = format!(" Enter sends · ↑↓ recall · help lists the commands · Esc or Ctrl-C quits{lost}");
+        let keys = format!(
+            " Esc or space: force off · Enter sends · ↑↓ recall · help lists the commands · Ctrl-C quits{lost}"
+        );
         frame.render_widget(Paragraph::new(keys).style(Style::new().add_modifier(Modifier::DIM)), foot);
     }
 
-    fn plot(&self, frame: &mut Frame, area: Rect, title: &str, colour: Color, value: impl Fn(&Point) -> f64) {
+    fn plot(
+        &self,
+        frame: &mut Frame,
+        area: Rect,
+        title: &str,
+        colour: Color,
+        value: impl Fn(&Sample) -> f64,
+    ) {
         let data: Vec<(f64, f64)> = self.points.iter().map(|p| (p.time, value(p))).collect();
         let newest = data.last().map_or(0.0, |d| d.0);
         let (mut low, mut high) =
@@ -152,7 +166,7 @@ impl Screen {
     }
 }
 
-/// Answers by their first word: what was refused stands out.
+/// Style of an answer by its first word: errors stand out.
 fn paint(line: &str) -> Line<'_> {
     let colour = if line.starts_with("err") {
         Color::Red
@@ -166,10 +180,10 @@ fn paint(line: &str) -> Line<'_> {
     Line::from(Span::styled(line, Style::new().fg(colour)))
 }
 
-/// The full-screen console; returns when the user leaves it.
+/// Runs the full-screen console until the user leaves it.
 ///
 /// # Errors
-/// The line to the device or the terminal is gone; the terminal is restored first.
+/// The line or the terminal failed. The terminal is restored first.
 pub(crate) fn screen(session: &mut Session, name: &str) -> Result<()> {
     let mut terminal =
         ratatui::try_init().map_err(|e| Failure::new(format!("the terminal cannot be used: {e}")))?;
@@ -201,7 +215,7 @@ fn run(terminal: &mut DefaultTerminal, session: &mut Session, name: &str) -> Res
             }
             match screen.key(key.code, key.modifiers.contains(KeyModifiers::CONTROL)) {
                 None => {
-                    // Leave the line as it was found: text only.
+                    // leave the line with text only, as found
                     session.send_line("stream off")?;
                     return Ok(());
                 }
@@ -212,10 +226,10 @@ fn run(terminal: &mut DefaultTerminal, session: &mut Session, name: &str) -> Res
     }
 }
 
-/// Line mode: each line of standard input is sent and answered; ends with the input.
+/// Line mode: sends each line of standard input and prints the answer, until the input ends.
 ///
 /// # Errors
-/// The line to the device is gone, or a line of input is not text.
+/// The line failed, or a line of input is not text.
 pub(crate) fn lines(session: &mut Session) -> Result<()> {
     let mut out = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
@@ -262,7 +276,14 @@ mod tests {
         assert_eq!(screen.key(KeyCode::Char('q'), false), None);
         typed(&mut screen, "se");
         assert_eq!(screen.key(KeyCode::Char('q'), false), Some(None), "q inside a word is a letter");
-        assert_eq!(screen.key(KeyCode::Esc, false), None);
+        for key in [KeyCode::Esc, KeyCode::Char(' ')] {
+            screen.input.clear();
+            assert_eq!(screen.key(key, false), Some(Some("off".into())), "{key:?}");
+        }
+        typed(&mut screen, "set dv");
+        assert_eq!(screen.key(KeyCode::Char(' '), false), Some(None), "a space inside a command");
+        assert_eq!(screen.key(KeyCode::Esc, false), Some(Some("off".into())));
+        assert_eq!(screen.input, "set dv ");
         assert_eq!(screen.key(KeyCode::Char('c'), true), None);
     }
 
@@ -271,11 +292,11 @@ mod tests {
         let mut screen = Screen::default();
         for k in 0..3000 {
             let t = f64::from(k) * 1e-2;
-            screen.take(Event::sample(Point {
+            screen.take(Event::Sample(Sample {
                 time: t,
                 position: 0.01 * t.sin(),
                 command: f64::NAN,
-                ..Point::default()
+                ..Sample::default()
             }));
         }
         screen.say("err RANGE: f_static".into());

@@ -1,5 +1,7 @@
-//! How a command ends: what it could not do, said once and clearly, and the exit code.
+//! Failure of a command: one clear message and the exit code.
 
+use report::picture::DrawError;
+use signals::files::FileError;
 use std::fmt;
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -64,7 +66,7 @@ impl Failure {
         ExitCode::from(2)
     }
 
-    /// Prints to standard error: drawn by miette on a terminal, plain lines in a pipe.
+    /// Prints to standard error: with miette on a terminal, plain lines in a pipe.
     pub fn print(&self) {
         let mut stderr = std::io::stderr();
         let text = if stderr.is_terminal() {
@@ -76,7 +78,7 @@ impl Failure {
         } else {
             self.plain()
         };
-        // Nobody is left to tell if standard error is closed.
+        // a closed standard error cannot be reported
         let _ = stderr.write_all(text.as_bytes());
     }
 
@@ -90,7 +92,7 @@ impl Failure {
 
 fn one_line(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    // the number of an error of the operating system tells a user nothing its name did not
+    // the number of an operating-system error adds nothing for a user
     match line.find(" (os error ") {
         Some(at) if line.ends_with(')') => line[..at].to_owned(),
         _ => line,
@@ -104,6 +106,36 @@ impl fmt::Display for Failure {
 }
 
 impl std::error::Error for Failure {}
+
+/// What went wrong, and what its crate says to do about it.
+macro_rules! with_help {
+    ($($error:ty),* $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                let failure = Self::new(&error);
+                match error.help() {
+                    Some(help) => failure.help(help),
+                    None => failure,
+                }
+            }
+        })*
+    };
+}
+
+with_help!(client::Error, compare::Error, perception::study::Error, procedures::Error, prove::Error);
+
+/// What went wrong, where nothing more can be said.
+macro_rules! plain {
+    ($($error:ty),* $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::new(error)
+            }
+        })*
+    };
+}
+
+plain!(DrawError, FileError, design::Error, figures::Error);
 
 impl miette::Diagnostic for Failure {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {

@@ -1,4 +1,4 @@
-//! The `tribos` command; everything it does is in the library, see its page for the manual.
+//! The `tribos` command. The library has the code and the manual.
 
 use clap::Parser;
 use std::process::ExitCode;

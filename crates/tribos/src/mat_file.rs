@@ -1,11 +1,11 @@
-//! MATLAB v5 out: one double column a signal under its name with unit, so that a file read back needs no map.
+//! MATLAB v5 writer: one column of doubles per signal, named with its unit, so that reading back needs no map.
 //!
-//! Layout: *MAT-File Format*, MathWorks, version 5: a 128-byte header, then one `miMATRIX` element a variable.
+//! Layout [matlab-5]: a 128-byte header, then one `miMATRIX` element per variable.
 
 use crate::columns::columns;
 use crate::failure::{Failure, Result};
 use crate::files;
-use identify::{Geometry, Recording};
+use signals::{Geometry, Recording};
 use std::path::Path;
 
 const INT8: u32 = 1;
@@ -19,7 +19,7 @@ const DOUBLE_CLASS: u32 = 6;
 /// Writes `recording` to `path`.
 ///
 /// # Errors
-/// Names the file when it cannot be written, or is longer than the format can say (2 GB a variable).
+/// The file, if it cannot be written or exceeds the format (2 GB per variable).
 pub(crate) fn write(path: &Path, recording: &Recording) -> Result<()> {
     if recording.len() > (i32::MAX as usize) / 8 - 64 {
         return Err(
@@ -64,7 +64,7 @@ fn element(out: &mut Vec<u8>, kind: u32, data: &[u8]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use identify::ReadOptions;
+    use signals::ReadOptions;
 
     #[test]
     fn what_is_written_comes_back_bit_for_bit_without_a_map() {

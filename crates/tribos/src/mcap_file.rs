@@ -1,12 +1,11 @@
-//! MCAP out, so that PlotJuggler, Foxglove and Rerun open a recording: one channel a signal, messages in JSON
-//! with a JSON schema that names the unit.
+//! MCAP writer, for PlotJuggler, Foxglove and Rerun: one channel per signal, JSON messages with a schema that names the unit.
 
 use crate::columns::columns;
 use crate::failure::{Failure, Result};
 use crate::files;
-use identify::Recording;
 use mcap::records::{MessageHeader, Metadata};
 use serde_json::json;
+use signals::Recording;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
@@ -15,8 +14,7 @@ use std::path::Path;
 /// Writes `recording` to `path`.
 ///
 /// # Errors
-/// Names the file when it cannot be written, or the time stamp that MCAP cannot hold (it counts nanoseconds
-/// from zero).
+/// The file, if it cannot be written, or a time stamp out of range (MCAP counts nanoseconds from zero).
 pub(crate) fn write(path: &Path, recording: &Recording) -> Result<()> {
     let start = recording.time.first().copied().unwrap_or(0.0).min(0.0);
     let stamps: Vec<u64> = recording
@@ -58,7 +56,7 @@ fn write_part(path: &Path, recording: &Recording, stamps: &[u64]) -> mcap::McapR
     }
     for (sequence, &at) in stamps.iter().enumerate() {
         for (channel, column) in &channels {
-            // JSON has no NaN; a sample that is not there is a message that is not there.
+            // JSON has no NaN: a missing sample is a missing message
             let Some(value) = column.values.get(sequence).filter(|v| v.is_finite()) else { continue };
             let header = MessageHeader {
                 channel_id: *channel,

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 /// Friction law to identify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum LawChoice {
-    /// Asymmetric Coulomb and viscous friction with static levels (modified Karnopp, eq. 3.1)
+    /// Asymmetric Coulomb and viscous friction with static levels (modified Karnopp) [thesis, eq. 3.1]
     #[default]
     Karnopp,
-    /// Presliding spring into a viscous slide (modified Dahl, eq. 3.2, 3.3)
+    /// Presliding spring into a viscous slide (modified Dahl) [thesis, eq. 3.2, 3.3]
     Dahl,
 }
 
@@ -28,19 +28,20 @@ pub enum PreprocessChoice {
 /// Recordings to read.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Recordings {
-    /// Recordings: CSV with units in the header, or .mat (v5) or .json with --map
+    /// Recordings: CSV, .mat (v5) or .json; signals named with their units, or by --map
     #[arg(required = true, value_name = "REC")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub mapping: Mapping,
 }
 
-/// What the variables of a .mat or .json file mean.
+/// What the variables of a file mean.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct Mapping {
-    /// Signals from variables of a .mat or .json file, e.g. position_m=qm,force_n=gtau*vir; time of a .mat is `t` unless time_s=… says otherwise
-    #[arg(long, value_name = "SIGNAL=VARIABLE,…")]
-    pub map: Option<String>,
+    /// Signals from variables of a file, e.g. position_m=qm,force_n=gtau*vir; time of a .mat is `t` unless time_s=… says
+    /// otherwise. Files whose columns are named as in a tribos recording need none; for files of several kinds, give one map each
+    #[arg(long = "map", value_name = "SIGNAL=VARIABLE,…")]
+    pub maps: Vec<String>,
 }
 
 /// Where results go.

@@ -1,4 +1,4 @@
-//! Progress on anything that may take over a second; silent when nobody watches.
+//! Progress bars for anything over a second; silent without a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use std::time::Duration;
 pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
-    /// Appears on a terminal only.
+    /// Shown on a terminal only.
     pub(crate) fn new(what: &str) -> Self {
         let bar = ProgressBar::new(1000);
         let style = ProgressStyle::with_template("  {msg:<34} {bar:30.cyan/dim} {percent:>3} %  {elapsed}")
@@ -18,7 +18,7 @@ impl Progress {
         Self(bar)
     }
 
-    /// Moves the bar to `share` and says what is being done.
+    /// Moves the bar to `share` with a message.
     pub(crate) fn set(&self, share: f32, what: &str) {
         self.0.set_position((1000.0 * share.clamp(0.0, 1.0)) as u64);
         if !what.is_empty() {

@@ -1,4 +1,4 @@
-//! The preset commands, and the items that are being stored.
+//! Preset commands and the storage of their items.
 
 use super::{Desk, Line, Listing, Named};
 use crate::app::DeskEnds;
@@ -7,10 +7,10 @@ use crate::presets::NotStored;
 use core::fmt::Write;
 use link::{Change, MAX_ITEM, Name, PresetCommand, PresetError};
 
-/// How long the board may take to store an item, ms: it erases two pages at most.
+/// Longest time for the board to store an item, ms. It erases at most two pages.
 const PATIENCE_MS: u32 = 2_000;
 
-/// An item is on its way into the flash, an answer is owed.
+/// An item that is being stored, with its pending answer.
 pub(super) struct Saving {
     change: Change,
     name: Name,
@@ -18,34 +18,34 @@ pub(super) struct Saving {
     since: u32,
 }
 
-/// What the answer says when it is stored.
+/// Answer once the item is stored.
 #[derive(Clone, Copy)]
 enum Done {
     Saved,
     Deleted,
     Default,
-    /// Nothing: nobody asked.
+    /// No answer.
     Repaired,
 }
 
 impl Desk {
-    /// Takes over an item that was stored before the restart; the newest of a key last.
+    /// Loads an item stored before the restart. The newest item of a key comes last.
     pub fn load(&mut self, key: u8, item: &[u8]) {
         self.presets.load(key, item);
     }
 
-    /// Everything is loaded, or nothing could be: the default preset is active if this device can render it.
+    /// Ends loading, successful or not. Activates the default preset if this device can render it.
     pub fn loaded(&mut self, unusable: Option<NotStored>, board: &mut impl Board) {
         self.unusable = unusable;
         if let Some(change) = self.presets.loaded() {
-            // power went in the middle of a command. Refused, it is done at the next start
+            // power was cut during a command; if refused now, it is completed at the next start
             store(&change, board);
             let (name, since) = (Name::new(), board.now_ms());
             self.saving = Some(Saving { change, name, done: Done::Repaired, since });
         }
         if let Some(name) = self.presets.default_name()
             && let Ok(settings) = self.presets.find(name)
-            // one that is unfit is told of by `preset list`
+            // `preset list` reports an invalid preset
             && settings.validate(&self.device).is_ok()
         {
             self.preset = Name::try_from(name).unwrap_or_default();
@@ -99,7 +99,7 @@ impl Desk {
         self.err(e.code(), e);
     }
 
-    /// The board has stored what it was given, or refuses.
+    /// Handles the result of the last store.
     pub(super) fn poll_saving(&mut self, board: &mut impl Board) {
         let Some(saving) = &mut self.saving else { return };
         let outcome = match board.stored() {
@@ -117,7 +117,7 @@ impl Desk {
             return self.err(if why == NotStored::Full { "FULL" } else { "FLASH" }, why);
         }
         if let Some(next) = self.presets.commit(saving.change) {
-            // the preset is deleted; if power goes before its default is, that default is none all the same
+            // the preset is deleted; if power is cut before its default is deleted, that default is ignored
             store(&next, board);
             saving.change = next;
             return;
@@ -133,7 +133,7 @@ impl Desk {
 
     fn list_presets(&mut self) {
         let mut line = Line::new();
-        // what does not fit is cut
+        // a long line is truncated
         let _ = line.write_str("ok");
         for name in self.presets.names() {
             let _ = write!(line, " {name}");
@@ -145,13 +145,13 @@ impl Desk {
         let unfit = |name: &&str| self.presets.find(name).is_ok_and(|s| s.validate(&self.device).is_err());
         let unfit = self.presets.names().filter(unfit).count();
         if unfit > 0 {
-            let _ = write!(line, "; {unfit} unfit for this device: `preset use` says why");
+            let _ = write!(line, "; {unfit} not valid on this device: `preset use` says why");
         }
         if self.presets.unreadable() > 0 {
             let count = self.presets.unreadable();
             let _ = write!(
                 line,
-                "; {count} saved by another version: not readable, kept until the room is needed"
+                "; {count} saved by another version: not readable, kept until the place is needed"
             );
         }
         if let Some(why) = self.unusable {
@@ -161,7 +161,7 @@ impl Desk {
     }
 }
 
-/// Hands the item of a change to the board.
+/// Passes the item of a change to the board.
 fn store(change: &Change, board: &mut impl Board) {
     let mut buffer = [0; MAX_ITEM];
     board.store(change.key(), change.encode(&mut buffer));

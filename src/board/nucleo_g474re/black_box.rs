@@ -1,7 +1,7 @@
-//! The black box: the first fault with the motion it was found at, kept over a reset in RAM that nothing initialises.
+//! Black box: the first fault with its motion, kept over a reset in uninitialised RAM.
 //!
-//! Each control step writes its motion until a fault is latched. A panic, a crash or the watchdog ends that, too: the
-//! step before is what is known of them. What a person has not cleared is not overwritten.
+//! Each control step writes its motion until a fault is latched. A panic, a crash or the watchdog also ends that: the previous
+//! step is their record. A fault that is not cleared is not overwritten.
 
 use crate::app::{Earlier, FaultReport};
 use core::cell::UnsafeCell;
@@ -27,12 +27,12 @@ const PATH: usize = 40;
 #[repr(transparent)]
 struct Kept(UnsafeCell<MaybeUninit<[u32; WORDS]>>);
 
-// SAFETY: words, read and written whole by volatile accesses; a check that does not fit shows a mixture.
+// SAFETY: words, accessed whole and volatile; a wrong check sum reveals a mixture.
 unsafe impl Sync for Kept {}
 
 #[unsafe(link_section = ".uninit.black_box")]
 static BOX: Kept = Kept(UnsafeCell::new(MaybeUninit::uninit()));
-/// The fault is from before the last reset.
+/// Whether the fault is from before the last reset.
 static EARLIER: AtomicBool = AtomicBool::new(false);
 
 fn get(at: usize) -> u32 {
@@ -49,7 +49,7 @@ fn check() -> u32 {
     (KIND..=LINE).fold(MARK, |sum, at| sum ^ get(at))
 }
 
-/// At the start: what is kept of before. `cause` is a reset that nobody asked for.
+/// Restores the record at the start. `cause` is the reason of an unexpected reset.
 pub(super) fn open(cause: Option<FaultKind>) {
     let valid = get(CHECK) == check();
     match (valid, get(KIND), cause) {
@@ -61,7 +61,7 @@ pub(super) fn open(cause: Option<FaultKind>) {
     set(CHECK, check());
 }
 
-/// One control step: its motion, or the fault it found.
+/// Records one control step: its motion, or its fault.
 #[inline]
 pub(super) fn note(step: u32, outputs: &Outputs) {
     if get(KIND) != 0 {
@@ -72,7 +72,7 @@ pub(super) fn note(step: u32, outputs: &Outputs) {
     set(POSITION, position);
     set(VELOCITY, velocity);
     if let Some(kind) = outputs.fault {
-        // mode and force are those of the step before
+        // mode and force are those of the previous step
         set(KIND, kind.code().into());
         set(CHECK, check());
         return;
@@ -83,7 +83,7 @@ pub(super) fn note(step: u32, outputs: &Outputs) {
     set(CHECK, MARK ^ step ^ position ^ velocity ^ mode ^ force);
 }
 
-/// The firmware is about to restart itself.
+/// Records that the firmware restarts itself.
 pub(super) fn keep(kind: FaultKind) {
     if get(KIND) == 0 {
         set(KIND, kind.code().into());
@@ -91,7 +91,7 @@ pub(super) fn keep(kind: FaultKind) {
     }
 }
 
-/// Where a panic was, if it is the first fault.
+/// Records the place of a panic, if it is the first fault.
 pub fn panicked_at(place: &Location<'_>) {
     if get(KIND) != 0 {
         return;
@@ -105,7 +105,7 @@ pub fn panicked_at(place: &Location<'_>) {
     set(LINE, place.line().max(1));
 }
 
-/// A person has cleared the fault. The next control step puts the check right.
+/// Clears the fault. The next control step corrects the check sum.
 pub(super) fn forget() {
     EARLIER.store(false, Relaxed);
     set(LINE, 0);

@@ -1,13 +1,13 @@
-//! The last five pages of bank 2, for presets: a register driver that never keeps the control interrupt waiting.
+//! Flash driver for the presets in the last five pages of bank 2. It never delays the control interrupt.
 //!
-//! The code runs from bank 1 (memory.x), and the banks are independent: while a page of bank 2 is erased, 22 ms, the
-//! processor goes on. embassy-stm32's driver would do that too, but masks interrupts while it starts an erasure; here
-//! nothing does. While the flash is busy the task yields, so that console and supervisor go on as well.
+//! The code runs from bank 1 (memory.x), and the banks are independent: the processor continues during the 22 ms erasure of a
+//! page of bank 2. embassy-stm32's driver allows that too, but masks interrupts while it starts an erasure. The task yields
+//! while the flash is busy, so that console and supervisor continue.
 //!
-//! * The data cache is off meanwhile: a read of one bank while the other is written may spoil it (ES0430,
-//!   *data cache might be corrupted during flash memory read-while-write operation*).
-//! * A double word that was cut short has a wrong error-correcting code, and reading it raises the NMI. The handler
-//!   here notes that; [`Medium::is_torn`] asks for it. Anywhere else in the flash it is a broken program: reset.
+//! * The data cache is off during an operation: a read of one bank while the other is written may corrupt it [es0430, "data
+//!   cache might be corrupted during flash memory read-while-write operation"].
+//! * A torn double word has a wrong error-correcting code, and reading it raises the NMI. The handler here records it for
+//!   [`Medium::is_torn`]. Elsewhere in the flash it means a corrupt program: reset.
 
 use crate::presets::{Medium, NotStored, Refused};
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -19,20 +19,20 @@ use embassy_time::Timer;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use link::MAX_ITEM;
 
-/// First byte of the presets; memory.x ends the code before bank 2.
+/// Address of the presets. memory.x ends the code before bank 2.
 const BASE: u32 = 0x0807_d800;
-/// First byte of bank 2.
+/// Address of bank 2.
 const BANK_2: u32 = 0x0804_0000;
 const PAGE: u32 = 2048;
 const PAGES: u32 = 5;
-/// Every error of FLASH_SR, and the end of an operation: cleared by writing 1.
+/// All errors of FLASH_SR and the end of an operation, cleared by writing 1.
 const ALL_FLAGS: u32 = 0xc3fb;
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 
-/// A double word with a wrong code was read.
+/// Whether a double word with a wrong code was read.
 static TORN: AtomicBool = AtomicBool::new(false);
 
-/// An item to be stored, and how that went: between the console task and the keeper of the flash, both in thread mode.
+/// An item to store and its result, between the console task and the keeper of the flash, both in thread mode.
 static WANTED: Signal<ThreadModeRawMutex, Wanted> = Signal::new();
 static STORED: Signal<ThreadModeRawMutex, Result<(), NotStored>> = Signal::new();
 
@@ -43,30 +43,30 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// The next one.
+    /// Next item.
     pub async fn next() -> Self {
         WANTED.wait().await
     }
 
-    /// Its key.
+    /// Key of the item.
     #[must_use]
     pub fn key(&self) -> u8 {
         self.key
     }
 
-    /// Its bytes.
+    /// Bytes of the item.
     #[must_use]
     pub fn item(&self) -> &[u8] {
         &self.item
     }
 
-    /// Tells how it went.
+    /// Reports the result.
     pub fn done(self, outcome: Result<(), NotStored>) {
         STORED.signal(outcome);
     }
 }
 
-/// Hands an item to the keeper of the flash.
+/// Passes an item to the keeper of the flash.
 pub(super) fn store(key: u8, item: &[u8]) {
     STORED.reset();
     match heapless::Vec::from_slice(item) {
@@ -75,17 +75,17 @@ pub(super) fn store(key: u8, item: &[u8]) {
     }
 }
 
-/// How that went.
+/// Result of the last store.
 pub(super) fn stored() -> Option<Result<(), NotStored>> {
     STORED.try_take()
 }
 
-/// Double words read before other tasks have their turn: looking through the pages takes many milliseconds.
+/// Double words read before other tasks run: reading all pages takes many milliseconds.
 const READ_AT_ONCE: u32 = 64;
 
-/// The pages for presets. There is one of it.
+/// The pages for presets, a singleton.
 pub struct Pages {
-    /// Double words read since other tasks had their turn.
+    /// Double words read since other tasks ran.
     read: u32,
 }
 
@@ -94,26 +94,26 @@ impl Pages {
         Self { read: 0 }
     }
 
-    /// Address of so many bytes at this offset, if they are inside.
+    /// Address of a range at this offset, if it is inside.
     fn address(offset: u32, count: usize) -> Result<u32, Refused> {
         let end = offset.checked_add(count as u32).ok_or(Refused)?;
         if end <= PAGE * PAGES { Ok(BASE + offset) } else { Err(Refused) }
     }
 
-    /// A double word, and whether its code is right.
+    /// A double word, and whether its code is correct.
     fn read_word(address: u32) -> ([u32; 2], bool) {
         TORN.store(false, Relaxed);
         // SAFETY: inside the pages, aligned; volatile because the controller changes what is there
         let word =
             unsafe { core::ptr::with_exposed_provenance::<[u32; 2]>(address as usize).read_volatile() };
-        // the NMI comes with the data
+        // the NMI arrives with the data
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
         (word, TORN.load(Relaxed))
     }
 }
 
-/// The controller, unlocked; locked again when it is dropped.
+/// Unlocked controller. Dropping locks it again.
 struct Unlocked {
     data_cache: bool,
 }
@@ -136,7 +136,7 @@ impl Unlocked {
         if flash.cr().read().lock() { Err(Refused) } else { Ok(unlocked) }
     }
 
-    /// Waits for the operation under way.
+    /// Waits for the running operation.
     async fn done(&self) -> Result<(), Refused> {
         loop {
             let sr = pac::FLASH.sr().read();
@@ -154,7 +154,7 @@ impl Drop for Unlocked {
         flash.sr().write_value(Sr(ALL_FLAGS));
         flash.cr().write(|w| w.set_lock(true));
         if self.data_cache {
-            // it may only be reset while it is off
+            // may only be reset while off
             flash.acr().modify(|w| w.set_dcrst(true));
             flash.acr().modify(|w| w.set_dcrst(false));
             flash.acr().modify(|w| w.set_dcen(true));
@@ -177,7 +177,7 @@ impl ReadNorFlash for Pages {
             yield_now().await;
         }
         for to in bytes.chunks_exact_mut(8) {
-            // what is torn reads as what counts for nothing; after `recover` there is none
+            // a torn double word reads as an ignored one; after `recover` there is none
             let word = match Self::read_word(address) {
                 (word, false) => word,
                 (_, true) => [0; 2],
@@ -226,8 +226,8 @@ impl NorFlash for Pages {
         for word in bytes.chunks_exact(8) {
             for half in word.chunks_exact(4) {
                 let half = half.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte));
-                // SAFETY: inside the pages, aligned; the controller takes both halves as one double word, whatever
-                // interrupts come between, for nobody else writes to the flash
+                // SAFETY: inside the pages, aligned; the controller takes both halves as one double word in spite of
+                // interrupts, because there is no other writer
                 unsafe {
                     core::ptr::with_exposed_provenance_mut::<u32>(address as usize).write_volatile(half)
                 };
@@ -245,7 +245,7 @@ impl Medium for Pages {
     }
 }
 
-/// A double error in the flash: of a preset that was cut short, or of the program.
+/// Double error in the flash: a torn preset, or a corrupt program.
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() {
     let error = pac::FLASH.eccr().read();

@@ -1,4 +1,4 @@
-//! What is set up once: clocks, encoder and its time stamps, force output, pace, and why the chip started.
+//! Setup of clocks, encoder with time stamps, force output and pace; reason of the start.
 
 use super::last_words;
 use super::{DAC_ZERO, LATCH_COUNTS, PACE_DIVIDER, PERIOD_TICKS, TICK_HZ};
@@ -30,28 +30,31 @@ pub(super) fn clocks() -> Config {
     config
 }
 
-/// Range 1 boost mode, without which the core may not run above 150 MHz (RM0440, PWR_CR5).
+/// Range 1 boost mode, required above 150 MHz [rm0440, "PWR_CR5"].
 ///
-/// `Config::boost` means to do this, but stm32-metapac 21 has R1MODE in bit 0 of the register; it is bit 8.
+/// `Config::boost` should do this, but stm32-metapac 21 has R1MODE in bit 0 of the register; it is bit 8.
 pub(super) fn boost() {
     pac::RCC.apb1enr1().modify(|w| w.set_pwren(true));
     pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
 }
 
-/// The FPU's registers are stacked with every exception, not with the handler's first floating-point instruction
-/// (FPCCR.LSPEN, ARM DDI 0403E B3.2.21): the control step, which begins with floating point, costs the same whatever it
-/// interrupts.
+/// Lets the flash read ahead of the core: sequential code of the tasks waits half as long.
+pub(super) fn prefetch() {
+    pac::FLASH.acr().modify(|w| w.set_prften(true));
+}
+
+/// Stacks the FPU registers with every exception instead of lazily (FPCCR.LSPEN [armv7-m, ch. B3.2.21]). The control step begins
+/// with floating point, and so costs the same whatever it interrupts.
 ///
-/// Nor may it stay lazy in the emulator: rsemu 0.0.7 clears the condition flags of an interrupted comparison that way,
-/// and one `set` in some 400 was refused.
+/// Lazy stacking would also fail in the emulator: rsemu 0.0.7 then clears the condition flags of an interrupted comparison,
+/// and one `set` in about 400 was refused.
 pub(super) fn stack_floats_at_once() {
     const LSPEN: u32 = 1 << 30;
-    // SAFETY: the one writer of the register; no exception is enabled yet, so nothing is owed to a stack
+    // SAFETY: the only writer of the register; no exception is enabled yet, so no stacking is pending
     unsafe { (*cortex_m::peripheral::FPU::PTR).fpccr.modify(|w| w & !LSPEN) };
 }
 
-/// TIM2 counts quadrature edges, all four of a period, through a filter of 94 ns; TIM5 captures its own count
-/// on each of them.
+/// TIM2 counts all four quadrature edges of a period through a filter of 94 ns. TIM5 captures its own count on each edge.
 pub(super) fn start_encoder(a: Peri<'static, PA0>, b: Peri<'static, PA1>) {
     rcc::enable_and_reset::<TIM2>();
     rcc::enable_and_reset::<TIM5>();
@@ -78,21 +81,21 @@ pub(super) fn start_encoder(a: Peri<'static, PA0>, b: Peri<'static, PA1>) {
     tim2.cr1().write(|w| w.set_cen(true));
 }
 
-/// DAC1 channel 1 on its pin, at zero force, put out on TIM7's trigger.
+/// DAC1 channel 1 on its pin, at zero force, latched by TIM7.
 pub(super) fn start_dac() {
     rcc::enable_and_reset::<peripherals::DAC1>();
     pac::DAC1.mcr().write(|w| w.set_hfsel(2)); // the bus is faster than 160 MHz
     pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
-    // without a trigger the holding register goes through at once: zero force before the loop runs
+    // without a trigger the holding register acts at once: zero force before the loop runs
     pac::DAC1.cr().write(|w| w.set_en(0, true));
-    cortex_m::asm::delay(TICK_HZ / 100_000); // 10 µs: the output stage wakes up
+    cortex_m::asm::delay(TICK_HZ / 100_000); // 10 µs: wake-up of the output stage
     pac::DAC1.cr().modify(|w| {
         w.set_tsel(0, 2); // TIM7_TRGO
         w.set_ten(0, true);
     });
 }
 
-/// TIM6 starts the conversions, TIM7 puts out the force, in phase for ever: the same clock, the same period.
+/// TIM6 starts the conversions, TIM7 latches the force. Same clock and period keep them in phase.
 pub(super) fn start_pace() {
     rcc::enable_and_reset::<TIM6>();
     rcc::enable_and_reset::<TIM7>();
@@ -102,7 +105,7 @@ pub(super) fn start_pace() {
         timer.egr().write(|w| w.set_ug(true)); // loads both; before the trigger output is connected
         timer.cr2().write(|w| w.set_mms(Mms::UPDATE));
     }
-    // both come to their update LATCH_COUNTS apart
+    // their updates are LATCH_COUNTS apart
     pac::TIM7.cnt().write(|w| w.set_cnt((PERIOD_TICKS / PACE_DIVIDER - LATCH_COUNTS) as u16));
     critical_section::with(|_| {
         pac::TIM6.cr1().write(|w| w.set_cen(true));
@@ -110,14 +113,14 @@ pub(super) fn start_pace() {
     });
 }
 
-/// Reload value for a control period of so many ticks.
+/// Reload value of a control period, ticks.
 fn reload(period_ticks: u32) -> u16 {
-    // `as` cannot cut: the longest period is 42 500 counts
+    // `as` cannot truncate: the longest period is 42 500 counts
     (period_ticks / PACE_DIVIDER).saturating_sub(1) as u16
 }
 
-/// Another control period, from the present one on. Called by the control interrupt within its step: TIM6 is then
-/// before [`LATCH_COUNTS`] or little after it, and in any case before the end of the shortest period.
+/// Changes the control period from the present one on. Called by the control interrupt within its step: TIM6 is then before
+/// [`LATCH_COUNTS`] or shortly after it, and always before the end of the shortest period.
 pub(super) fn change_pace(period_ticks: u32) {
     let (tim6, tim7) = (pac::TIM6, pac::TIM7);
     tim6.cr1().modify(|w| w.set_cen(false));
@@ -136,10 +139,10 @@ pub(super) fn change_pace(period_ticks: u32) {
 
 /// EXTI line of the voltage detector.
 pub(super) const PVD_LINE: usize = 16;
-/// 2.9 V: what a 3.3 V regulator gives only when it cannot any more.
+/// Threshold of 2.9 V: below it a 3.3 V regulator has failed.
 const PVD_LEVEL: u8 = 6;
 
-/// The voltage detector: an interrupt when the supply falls and when it is back.
+/// Voltage detector: interrupts when the supply falls and when it is back.
 pub(super) fn start_voltage_detector() {
     pac::EXTI.rtsr(0).modify(|w| w.set_line(PVD_LINE, true));
     pac::EXTI.ftsr(0).modify(|w| w.set_line(PVD_LINE, true));
@@ -150,33 +153,54 @@ pub(super) fn start_voltage_detector() {
     });
 }
 
+/// Stops the watchdog while a debugger halts the core. The pulse of the enable line runs on.
+pub(super) fn freeze_watchdog_for_debuggers() {
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+}
+
 /// Reads and clears the reset flags.
+///
+/// Flags add up until they are cleared, which each start does. The firmware keeps a reason before it resets itself, so a software
+/// reset without one is a debugger's, also beside the flag of a watchdog that ran out while the debugger held the core.
 pub(super) fn reset_cause() -> ResetCause {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
     let kept = last_words::take();
-    if flags.iwdgrstf() {
-        ResetCause::Watchdog
-    } else if flags.sftrstf() {
+    if flags.sftrstf() {
         match kept {
             Some(FaultKind::Panic) => ResetCause::Panic,
             Some(FaultKind::Crash) => ResetCause::Crash,
             Some(FaultKind::MissedDeadline) => ResetCause::Stopped,
-            _ => ResetCause::Software,
+            Some(FaultKind::BrownOut) => ResetCause::BrownOut,
+            _ => ResetCause::Debugger,
         }
+    } else if flags.iwdgrstf() || flags.wwdgrstf() {
+        ResetCause::Watchdog
     } else if kept == Some(FaultKind::BrownOut) {
         ResetCause::BrownOut
-    } else {
+    } else if flags.lpwrrstf() {
+        ResetCause::LowPower
+    } else if flags.borrstf() {
         ResetCause::Power
+    } else if flags.oblrstf() {
+        ResetCause::OptionBytes
+    } else {
+        ResetCause::Button
     }
 }
 
-/// Why the chip started, from the reset flags.
+/// Reason of the start, from the reset flags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, defmt::Format)]
 pub enum ResetCause {
-    /// Power, reset button or debugger.
+    /// Power came up.
     Power,
-    /// The watchdog: the loop had stopped.
+    /// Reset button, or a programmer on the reset pin.
+    Button,
+    /// A debugger, after flashing or on request.
+    Debugger,
+    /// The option bytes were loaded.
+    OptionBytes,
+    /// A watchdog: the loop had stopped.
     Watchdog,
     /// A panic.
     Panic,
@@ -186,21 +210,21 @@ pub enum ResetCause {
     Stopped,
     /// The supply broke down.
     BrownOut,
-    /// Something else in the firmware, or a debugger.
-    Software,
+    /// The firmware entered a low-power mode that the option bytes forbid.
+    LowPower,
 }
 
 impl ResetCause {
-    /// What the loop starts with: after a reset nobody asked for a person has to look first.
+    /// Fault with which the loop starts: after an unexpected reset a person must look first.
     pub(super) fn fault(self) -> Option<FaultKind> {
         match self {
-            Self::Power => None,
+            Self::Power | Self::Button | Self::Debugger | Self::OptionBytes => None,
             Self::Watchdog => Some(FaultKind::Watchdog),
             Self::Panic => Some(FaultKind::Panic),
             Self::Crash => Some(FaultKind::Crash),
             Self::Stopped => Some(FaultKind::MissedDeadline),
             Self::BrownOut => Some(FaultKind::BrownOut),
-            Self::Software => Some(FaultKind::Hardware),
+            Self::LowPower => Some(FaultKind::Hardware),
         }
     }
 }

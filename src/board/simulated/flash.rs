@@ -1,4 +1,4 @@
-//! The flash for presets of the virtual device: in memory, and in a file if there is one.
+//! Flash of the virtual device for presets, in memory or in a file.
 
 use crate::presets::{Medium, Refused};
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
@@ -6,9 +6,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// Bytes of a page.
+/// Size of a page, bytes.
 pub const PAGE: usize = 2048;
-/// Bytes of the flash kept for presets, as on the board.
+/// Size of the flash for presets, bytes, as on the board.
 pub const BYTES: usize = 5 * PAGE;
 
 /// Pages of erasable double words.
@@ -26,7 +26,7 @@ impl Default for SimulatedFlash {
 }
 
 impl SimulatedFlash {
-    /// With these contents, in memory; what is missing is erased.
+    /// With these contents, in memory. The rest is erased.
     #[must_use]
     pub fn of(contents: &[u8]) -> Self {
         let mut flash = Self::default();
@@ -36,10 +36,10 @@ impl SimulatedFlash {
         flash
     }
 
-    /// In a file, which is made if there is none.
+    /// In a file, which is created if needed.
     ///
     /// # Errors
-    /// The file cannot be opened for reading and writing, or is something else.
+    /// The file cannot be opened for reading and writing, or is not a flash.
     pub fn open(path: &Path) -> std::io::Result<Self> {
         let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
         let mut bytes = Vec::new();
@@ -52,7 +52,7 @@ impl SimulatedFlash {
             BYTES => {}
             other => {
                 return Err(std::io::Error::other(format!(
-                    "{} bytes: accepted is a file of the virtual device, {BYTES} bytes, or a new name",
+                    "{} bytes: expected a file of the virtual device, {BYTES} bytes, or a new name",
                     if other > BYTES { "too many".into() } else { other.to_string() }
                 )));
             }
@@ -60,7 +60,7 @@ impl SimulatedFlash {
         Ok(Self { bytes, file: Some((file, path.display().to_string())) })
     }
 
-    /// How long what is stored lasts.
+    /// Lifetime of stored presets.
     pub(super) fn lasting(&self) -> String {
         match &self.file {
             Some((_, name)) => format!("in {name}"),
@@ -68,7 +68,7 @@ impl SimulatedFlash {
         }
     }
 
-    /// Everything in it.
+    /// All contents.
     #[must_use]
     pub fn contents(&self) -> &[u8] {
         &self.bytes
@@ -118,7 +118,7 @@ impl NorFlash for SimulatedFlash {
         if !offset.is_multiple_of(8) || !bytes.len().is_multiple_of(8) {
             return Err(Refused);
         }
-        // as the board's: a double word that is not erased takes only zeros
+        // like the board: a programmed double word accepts only zeros
         for (at, word) in bytes.chunks_exact(8).enumerate() {
             let held =
                 self.bytes.get(offset as usize + 8 * at..).and_then(|rest| rest.get(..8)).ok_or(Refused)?;
@@ -131,7 +131,7 @@ impl NorFlash for SimulatedFlash {
 }
 
 impl Medium for SimulatedFlash {
-    /// A file is written whole or not at all.
+    /// Writes the file completely or not at all.
     async fn is_torn(&mut self, _: u32) -> Result<bool, Refused> {
         Ok(false)
     }

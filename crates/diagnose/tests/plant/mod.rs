@@ -2,10 +2,10 @@
 //! integrator at 50 kHz, a field of elasto-plastic bristles instead of a differential law for presliding.
 #![allow(dead_code)]
 
-use identify::Recording;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use signals::Recording;
 use std::f64::consts::TAU;
 
 /// What is hidden in the plant; `size` is a force in newtons unless said otherwise.

@@ -1,35 +1,55 @@
-//! Friction follows the velocity late (frictional memory, Hess and Soom; the lag in Armstrong's seven parameters).
-//!
-//! u lags v by a first-order filter of time constant `lag`, which delays a ramp by exactly `lag`.
-//! F = force·(sgn u − sgn v) + stribeck·s·(exp(−|u|/v_s) − exp(−|v|/v_s)), s = sgn v: what F(v(t − T)) has beyond F(v) for a
-//! Coulomb and a Stribeck part. A lagging viscous part is a mass (−b·T·a) and cannot be seen beside one.
-//!
-//! * Signature: an F-v loop that widens with acceleration, in time and not in distance.
-//! * Confused with: velocity_lag of the estimator (1.0 on one sine), presliding (.89).
-//! * Told apart by: moves with dwells; recomputing the velocity from the position.
-//! * Rendering: for `lag` after a reversal the `force` part drives instead of braking, so it is not passive.
+//! Friction that follows the velocity late.
 
-use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Parameter, Signature};
-use crate::{Motion, Scalar, mean_decay};
+use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Signature};
+use super::{About, Describe, Parameter, Example, FIRST_OR_BOTH, Quantity, Scale};
+use crate::{Dimension, Motion, Scalar, mean_decay};
 
-/// Frictional lag.
+/// Frictional memory (Hess and Soom 1990), the lag in Armstrong's seven parameters.
+///
+/// u lags v by a first-order filter of time constant `lag`, which delays a ramp by exactly `lag`.
+/// F = force·(sgn u − sgn v) + stribeck·s·(exp(−|u|/v_s) − exp(−|v|/v_s)), s = sgn v: what F(v(t − T)) has beyond F(v) for a
+/// Coulomb and a Stribeck part. A lagging viscous part is a mass (−b·T·a) and cannot be seen beside one.
+///
+/// For `lag` after a reversal the `force` part drives instead of braking, so a rendered one is not passive.
+///
+/// ```
+/// use friction::Motion;
+/// use friction::effects::{Effect, EffectKind, EffectState};
+///
+/// let late = Effect { kind: EffectKind::FrictionalLag, gains: [0.8, 0.0, 0.0, 0.0], shape: [0.01, 0.05] };
+/// let mut state = EffectState::default();
+/// let forward = Motion { dt: 1e-3, velocity: 0.1, ..Motion::default() };
+/// late.step(&mut state, &forward);
+/// let force: f64 = late.step(&mut state, &Motion { velocity: -0.1, ..forward });
+/// assert!((force - 1.6).abs() < 1e-12); // N: right after a reversal it still pushes as before
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrictionalLag;
 
-impl Signature for FrictionalLag {
-    const ID: &'static str = "frictional_lag";
-    const SAYS: &'static str = "Friction reacts to a change of speed a moment late.";
-    const EQUATION: &'static str =
-        "force*(sgn(u) - s) + stribeck*s*(exp(-|u|/v_s) - exp(-|v|/v_s)), du/dt = (v - u)/lag";
-    const GAINS: &'static [Parameter] = &[
-        Parameter::new("force", "N", (0.0, 1e6), "Coulomb friction that reverses late"),
-        Parameter::new("stribeck", "N", (0.0, 1e6), "low-speed friction that follows late"),
-    ];
-    const SHAPE: &'static [Parameter] = &[
-        Parameter::new("lag", "s", (1e-6, 10.0), "how late"),
-        Parameter::new("v_s", "m/s", (1e-6, 1e2), "speed at which low-speed friction has fallen to 1/e"),
-    ];
+impl Describe for FrictionalLag {
+    const ABOUT: About = About {
+        id: "frictional_lag",
+        says: "Friction reacts to a change of speed a moment late.",
+        equation: "force*(sgn(u) - s) + stribeck*s*(exp(-|u|/v_s) - exp(-|v|/v_s)), du/dt = (v - u)/lag",
+        shows: "an F-v loop that widens with acceleration, in time and not in distance",
+        confused_with: "velocity_lag of the estimator (1.0 on one sine), presliding (.89)",
+        told_apart_by: "moves with dwells; recomputing the velocity from the position",
+        gains: &[
+            Parameter::gain("force", Dimension::FORCE, (0.0, 1e6), "Coulomb friction that reverses late"),
+            Parameter::gain("stribeck", Dimension::FORCE, (0.0, 1e6), "low-speed friction that follows late"),
+        ],
+        groups: FIRST_OR_BOTH,
+        shape: &[
+            Parameter::shape("lag", Scale::Lag, (1e-6, 10.0), "how late"),
+            Parameter::shape("v_s", Scale::Speed, (1e-6, 1e2), "speed at which low-speed friction has fallen to 1/e"),
+        ],
+        reads: &[Quantity::Velocity, Quantity::Time],
+        example: Some(Example { gains: [0.0, 0.8, 0.0, 0.0], shape: [0.01, 0.05] }),
+        ..About::EFFECT
+    };
+}
 
+impl Signature for FrictionalLag {
     fn unit<S: Scalar>(
         shape: &[S; MAX_SHAPE],
         memory: &mut [S; MAX_MEMORY],

@@ -1,29 +1,47 @@
 //! Friction with a pattern along the stroke: balls and rollers passing, a lead screw's turn, a textured surface.
-//!
-//! F = s·(cosine·cos(2πx/λ) + sine·sin(2πx/λ)), s = sgn v, λ = wavelength.
-//!
-//! * Signature: a line in position frequency that flips with direction.
-//! * Confused with: torque_ripple (.97).
-//! * Told apart by: the same motion with and without load.
 
-use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Parameter, Signature, wave};
-use crate::{Motion, Scalar};
+use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Signature, wave};
+use super::{About, Describe, Parameter, BOTH, Example, Quantity, Scale};
+use crate::{Dimension, Motion, Scalar};
 
 /// Friction that repeats over a distance.
+///
+/// F = s·(cosine·cos(2πx/λ) + sine·sin(2πx/λ)), s = sgn v, λ = wavelength.
+///
+/// ```
+/// use friction::Motion;
+/// use friction::effects::{Effect, EffectKind, EffectState};
+///
+/// let balls = Effect { kind: EffectKind::PeriodicFriction, gains: [0.2, 0.15, 0.0, 0.0], shape: [0.004, 0.0] };
+/// let back = Motion { position: 0.001, velocity: -0.1, ..Motion::default() };
+/// let force: f64 = balls.step(&mut EffectState::default(), &back);
+/// assert!((force + 0.15).abs() < 1e-12); // N
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PeriodicFriction;
 
-impl Signature for PeriodicFriction {
-    const ID: &'static str = "periodic_friction";
-    const SAYS: &'static str = "Friction rises and falls in a pattern that repeats every fixed distance.";
-    const EQUATION: &'static str = "s*(cosine*cos(2*pi*x/wavelength) + sine*sin(2*pi*x/wavelength))";
-    const GAINS: &'static [Parameter] = &[
-        Parameter::new("cosine", "N", (-1e6, 1e6), "cosine of the pattern"),
-        Parameter::new("sine", "N", (-1e6, 1e6), "sine of the pattern"),
-    ];
-    const SHAPE: &'static [Parameter] =
-        &[Parameter::new("wavelength", "m", (1e-6, 10.0), "distance of one period")];
+impl Describe for PeriodicFriction {
+    const ABOUT: About = About {
+        id: "periodic_friction",
+        says: "Friction rises and falls in a pattern that repeats every fixed distance.",
+        equation: "s*(cosine*cos(2*pi*x/wavelength) + sine*sin(2*pi*x/wavelength))",
+        shows: "a line in position frequency that flips with direction",
+        confused_with: "torque_ripple (.97)",
+        told_apart_by: "the same motion with and without load",
+        gains: &[
+            Parameter::gain("cosine", Dimension::FORCE, (-1e6, 1e6), "cosine of the pattern"),
+            Parameter::gain("sine", Dimension::FORCE, (-1e6, 1e6), "sine of the pattern"),
+        ],
+        groups: BOTH,
+        shape: &[Parameter::shape("wavelength", Scale::Wavelength, (1e-6, 10.0), "distance of one period")],
+        reads: &[Quantity::Position, Quantity::Velocity],
+        opposes_motion: true,
+        example: Some(Example { gains: [0.2, 0.15, 0.0, 0.0], shape: [0.004, 0.0] }),
+        ..About::EFFECT
+    };
+}
 
+impl Signature for PeriodicFriction {
     fn unit<S: Scalar>(
         shape: &[S; MAX_SHAPE],
         _memory: &mut [S; MAX_MEMORY],

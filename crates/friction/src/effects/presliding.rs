@@ -1,45 +1,48 @@
-//! The contact gives elastically before it slides: friction turns round over a distance, not at once.
-//!
-//! dz/dx = (1 − s_x·z)/x_s with s_x = sgn dx (the unit Dahl model, stepped exactly over the displacement);
-//! F = force·(z − sgn v); by direction.
-//!
-//! The sgn v is taken off because it is already in the baseline: Coulomb friction C·sgn v plus force = C is a
-//! full Dahl model of limit C and stiffness C/x_s. After a reversal the unit is −2·s and dies out over x_s; at rest
-//! it is z, what the bristles hold. With different Coulomb levels both gains are their mean.
-//!
-//! * Signature: a lobe that decays with *distance* after each reversal, at any rate.
-//! * Confused with: its own variants (LuGre, elasto-plastic: .99, one class), frictional_lag (.89), rising_static_friction
-//!   (.96).
-//! * Told apart by: micro-reversals; moves with dwells (.13).
+//! Friction that builds up over a distance after a reversal: bristles bend before they slip.
 
-use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Parameter, Signature, bristle, by_direction};
-use crate::{Motion, Scalar};
+use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Signature, bristle, by_direction};
+use super::{About, Describe, Parameter, BY_DIRECTION, Example, Quantity, Scale};
+use crate::{Dimension, Motion, Scalar};
 
-/// Presliding displacement (Dahl).
+/// The elastic turn-round of friction after a reversal.
+///
+/// F = force·(z − s), dz/dx = (1 − s·z)/x_s, s = sgn v: what Dahl's friction has beyond Coulomb's; by direction. At rest the
+/// bristles hold with the gain they were bent with.
+///
+/// ```
+/// use friction::Motion;
+/// use friction::effects::{Effect, EffectKind, EffectState};
+///
+/// let bristles = Effect { kind: EffectKind::Presliding, gains: [0.5, 0.5, 0.0, 0.0], shape: [4e-4, 0.0] };
+/// let mut state = EffectState::default();
+/// let slide = Motion { velocity: 0.01, displacement: 4e-4, ..Motion::default() };
+/// let force: f64 = bristles.step(&mut state, &slide); // after x_s from a fresh contact, e⁻¹ is still missing
+/// assert!((force + 0.5 / std::f64::consts::E).abs() < 1e-12); // N
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Presliding;
 
-impl Signature for Presliding {
-    const ID: &'static str = "presliding";
-    const SAYS: &'static str = "After each reversal friction builds up over a short distance instead of at once, like a spring between the surfaces.";
-    const EQUATION: &'static str = "force*(z - s), dz/dx = (1 - s*z)/x_s";
-    const GAINS: &'static [Parameter] = &[
-        Parameter::new(
-            "force_p",
-            "N",
-            (0.0, 1e6),
-            "friction that turns round elastically in positive motion",
-        ),
-        Parameter::new(
-            "force_n",
-            "N",
-            (0.0, 1e6),
-            "friction that turns round elastically in negative motion",
-        ),
-    ];
-    const SHAPE: &'static [Parameter] =
-        &[Parameter::new("x_s", "m", (1e-8, 1.0), "distance over which friction turns round")];
+impl Describe for Presliding {
+    const ABOUT: About = About {
+        id: "presliding",
+        says: "After each reversal friction builds up over a short distance instead of at once, like a spring between the surfaces.",
+        equation: "force*(z - s), dz/dx = (1 - s*z)/x_s",
+        shows: "a lobe that decays with the distance after a reversal, at any speed",
+        confused_with: "its own variants (.99: one class), frictional_lag (.89), rising_static_friction (.96)",
+        told_apart_by: "micro-reversals; moves with dwells (.13)",
+        gains: &[
+            Parameter::gain("force_p", Dimension::FORCE, (0.0, 1e6), "friction that turns round elastically in positive motion"),
+            Parameter::gain("force_n", Dimension::FORCE, (0.0, 1e6), "friction that turns round elastically in negative motion"),
+        ],
+        groups: BY_DIRECTION,
+        shape: &[Parameter::shape("x_s", Scale::Distance, (1e-8, 1.0), "distance over which friction turns round")],
+        reads: &[Quantity::Displacement, Quantity::Velocity],
+        example: Some(Example { gains: [0.5, 0.5, 0.0, 0.0], shape: [4e-4, 0.0] }),
+        ..About::EFFECT
+    };
+}
 
+impl Signature for Presliding {
     fn unit<S: Scalar>(
         shape: &[S; MAX_SHAPE],
         memory: &mut [S; MAX_MEMORY],

@@ -1,53 +1,14 @@
-//! What every effect of the catalogue is.
+//! A force as an effect of the catalogue.
 
+pub use super::about::{MAX_GAINS, MAX_SHAPE};
+use super::{Describe, EffectKind};
 use crate::{Invalid, Motion, Scalar};
 
-/// Most gains an effect has.
-pub const MAX_GAINS: usize = 4;
-/// Most shape parameters an effect has.
-pub const MAX_SHAPE: usize = 2;
 /// Most words an effect remembers.
 pub const MAX_MEMORY: usize = 4;
 
-/// One parameter of an effect.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
-    /// Name as a user types it and as it stands in files.
-    pub name: &'static str,
-    /// Unit on a linear axis.
-    pub unit: &'static str,
-    /// Smallest physical value.
-    pub min: f64,
-    /// Largest accepted value.
-    pub max: f64,
-    /// What it is, for a person.
-    pub what: &'static str,
-}
-
-impl Parameter {
-    pub(super) const fn new(
-        name: &'static str,
-        unit: &'static str,
-        range: (f64, f64),
-        what: &'static str,
-    ) -> Self {
-        Self { name, unit, min: range.0, max: range.1, what }
-    }
-}
-
-/// An effect: a force that is linear in its gains once its shape is given.
-pub trait Signature {
-    /// Fixed id, as in files and reports.
-    const ID: &'static str;
-    /// One plain sentence for a person.
-    const SAYS: &'static str;
-    /// The equation as text, in the names of `GAINS` and `SHAPE`.
-    const EQUATION: &'static str;
-    /// Parameters the force is linear in, at most [`MAX_GAINS`].
-    const GAINS: &'static [Parameter];
-    /// Parameters the force is not linear in, at most [`MAX_SHAPE`].
-    const SHAPE: &'static [Parameter];
-
+/// An effect that adds a force: linear in its gains once its shape is given.
+pub trait Signature: Describe {
     /// Force per unit of each gain, N per gain unit, positive against positive motion. Advances `memory`, zero at
     /// the start, by the step. `motion` is finite; what it does not hold (a normal load) contributes 0.
     fn unit<S: Scalar>(
@@ -62,6 +23,12 @@ pub trait Signature {
     /// The parameter that does not fit the others.
     fn check_shape<S: Scalar>(_shape: &[S; MAX_SHAPE]) -> Result<(), Invalid> {
         Ok(())
+    }
+
+    /// The effect that this shape is rather a case of.
+    #[must_use]
+    fn rather(_shape: &[f64; MAX_SHAPE]) -> Option<EffectKind> {
+        None
     }
 }
 

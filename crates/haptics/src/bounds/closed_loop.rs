@@ -1,7 +1,7 @@
-//! The sampled closed loop of handle, hand, virtual coupling and block, and its spectral radius: what the closed forms
-//! approximate, as it is.
+//! Spectral radius of the sampled closed loop of handle, hand, virtual coupling and block, which the closed forms
+//! approximate.
 
-/// A passive hand on the handle. `default()` has let go.
+/// A passive hand on the handle. `default()` is a released handle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Grasp {
     /// Mass that moves with the handle, kg.
@@ -12,12 +12,12 @@ pub struct Grasp {
     pub stiffness: f64,
 }
 
-/// Handle, hand, coupling and block, linear: friction is either stuck or left out.
+/// Linear loop of handle, hand, coupling and block. Friction is either stuck or absent.
 ///
 /// ```text
-/// (m + m_h) ẍ + (b + b_h) ẋ + k_h x = F     between samples, exactly, F(k) from t + delay on (eq. 4.14, 4.15)
-/// F(k) = −K (x(k) − p(k)) − B (v(k) − w(k))    eq. 4.24
-/// w(k+1) = w(k) − T/M F(k),  p(k+1) = p(k) + T w(k+1)   eq. 4.22, 4.23; p = w = 0 while stuck
+/// (m + m_h) ẍ + (b + b_h) ẋ + k_h x = F     between samples, exactly, F(k) from t + delay on [thesis, eq. 4.14, 4.15]
+/// F(k) = −K (x(k) − p(k)) − B (v(k) − w(k))    [thesis, eq. 4.24]
+/// w(k+1) = w(k) − T/M F(k),  p(k+1) = p(k) + T w(k+1)   [thesis, eq. 4.22, 4.23]; p = w = 0 while stuck
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosedLoop {
@@ -27,7 +27,7 @@ pub struct ClosedLoop {
     pub device_damping: f64,
     /// Control period T, s.
     pub period: f64,
-    /// From sample to force, s; up to one period.
+    /// Delay from sample to force, s. At most one period.
     pub delay: f64,
     /// The hand.
     pub grasp: Grasp,
@@ -65,8 +65,8 @@ fn spectral_radius<const N: usize>(mut a: Matrix<N>) -> f64 {
 }
 
 impl ClosedLoop {
-    /// Handle (x, v) after `t` s with force f held, as [[x x, x v, x f], [v x, v v, v f], [0 0 1]]: e^(At) by Taylor's
-    /// series on t/2ⁿ, squared n times.
+    /// Transition of the handle (x, v) over `t` s with constant force f, [[x x, x v, x f], [v x, v v, v f], [0 0 1]]: e^(At) by
+    /// Taylor's series on t/2ⁿ, squared n times.
     fn handle(&self, t: f64) -> Matrix<3> {
         let mass = self.device_mass + self.grasp.mass;
         let (c, k) = ((self.device_damping + self.grasp.damping) / mass, self.grasp.stiffness / mass);
@@ -91,7 +91,7 @@ impl ClosedLoop {
         sum
     }
 
-    /// One period of (x, v) under the force of the step before and this one.
+    /// Transition of (x, v) over one period under the forces of the previous and the present step.
     fn sampled(&self) -> ([[f64; 2]; 2], [f64; 2], [f64; 2]) {
         let delay = self.delay.clamp(0.0, self.period);
         let (first, rest) = (self.handle(delay), self.handle(self.period - delay));
@@ -102,8 +102,8 @@ impl ClosedLoop {
         (free, before, core::array::from_fn(|i| rest[i][2]))
     }
 
-    /// Spectral radius with the block held by friction. Below 1: every motion dies out; 1: some motion persists (a
-    /// handle without stiffness coasts); above: it grows.
+    /// Spectral radius with the block held by friction. Below 1 every motion decays; at 1 some motion persists (a handle
+    /// without stiffness coasts); above 1 it grows.
     #[must_use]
     pub fn radius_stuck(&self) -> f64 {
         let (free, before, now) = self.sampled();
@@ -112,16 +112,16 @@ impl ClosedLoop {
         spectral_radius([row(0), row(1), [-k, -b, 0.0]])
     }
 
-    /// Spectral radius with a free block of `mass` kg, stepped by eq. 4.22-4.24. Without a hand that holds, the whole may drift off together;
-    /// that motion (an eigenvalue of exactly 1) is left out.
+    /// Spectral radius with a free block of `mass` kg stepped by [thesis, eq. 4.22 to 4.24]. The common drift of handle and
+    /// block without a holding hand, an eigenvalue of exactly 1, is left out.
     #[must_use]
     pub fn radius_sliding(&self, mass: f64) -> f64 {
         let (k, b) = (self.stiffness, self.damping);
-        // of (x, v, p, w, F before)
+        // of (x, v, p, w, previous F)
         self.radius_free(mass, [-k, -b, k, b, 0.0], 0.0)
     }
 
-    /// The same with the block of the stopping-force renderer, whose coupling acts in the middle of the period:
+    /// Spectral radius with the block of the stopping-force renderer, whose coupling acts in the middle of the period:
     /// F(k) = −(K (x − p) + B v − (KT/2 + B) w)/(1 + cT/M), c = KT/4 + B/2, p(k+1) = p(k) + T (w(k) + w(k+1))/2.
     #[must_use]
     pub fn radius_sliding_stopping_force(&self, mass: f64) -> f64 {
@@ -131,8 +131,8 @@ impl ClosedLoop {
         self.radius_free(mass, force, 0.5)
     }
 
-    /// Spectral radius with a free block that feels −`force`, and whose position moves by that share of the old velocity
-    /// and the rest of the new one.
+    /// Spectral radius with a free block under −`force`. Its position advances with the given share of the old velocity and
+    /// the rest of the new one.
     fn radius_free(&self, mass: f64, force: [f64; 5], old: f64) -> f64 {
         let (free, before, now) = self.sampled();
         let t = self.period;
@@ -149,7 +149,7 @@ impl ClosedLoop {
         if self.grasp.stiffness > 0.0 {
             return spectral_radius([x, v, place, speed, force]);
         }
-        // (x − p, v, w, F before)
+        // (x − p, v, w, previous F)
         let relative = |row: [f64; 5]| [row[0], row[1], row[3], row[4]];
         let apart = core::array::from_fn(|j| x[j] - place[j]);
         spectral_radius([relative(apart), relative(v), relative(speed), relative(force)])
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn stuck_handle_crosses_one_where_the_closed_forms_say() {
+    fn closed_forms_bound_a_stuck_handle() {
         for (mass, damping) in [(1.0, 10.0), (0.692, 6.92), (0.1, 30.0), (2.0, 0.05)] {
             for (delay, b) in [(0.0, 0.0), (0.0, 15.0), (2e-5, 15.0), (1e-3, 5.0)] {
                 let limit = bounds::stiffness_max_delayed(mass, damping, T, b, delay);
@@ -208,8 +208,8 @@ mod tests {
     }
 
     #[test]
-    fn block_behind_a_handle_held_hard_crosses_one_where_4_35_is_singular() {
-        // a vice in place of the hand
+    fn a_held_handle_is_unstable_at_eq_4_35() {
+        // a vice instead of a hand
         let vice = Grasp { mass: 1e9, damping: 0.0, stiffness: 0.0 };
         for (mass, b) in [(0.5, 10.0), (0.5, 300.0), (0.05, 3.0)] {
             let limit = bounds::stiffness_singular(mass, b, T);
@@ -219,7 +219,7 @@ mod tests {
         }
     }
 
-    /// Largest of the last tenth of a simulated free motion over the largest of the first, by stepping small steps.
+    /// Ratio of the largest motion in the last and the first tenth of a simulated free motion, by small steps.
     fn growth(c: &ClosedLoop, block: f64, stopping_force: bool) -> f64 {
         const FINE: u32 = 400;
         let h = c.period / f64::from(FINE);
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn free_block_grows_in_simulation_just_outside_the_radius_and_dies_out_inside() {
+    fn spectral_radius_separates_growth_from_decay() {
         for (grasp, delay, block, b) in [
             (Grasp::default(), 0.0, 0.4, 15.0),
             (Grasp::default(), 1e-3, 0.4, 15.0),

@@ -1,29 +1,29 @@
-//! The stiffness a handle takes when the force comes a while after the sample, from the sampled closed loop itself.
+//! Largest stable stiffness with a delay between sample and force, from the sampled closed loop.
 //!
-//! State (x, v, F₋₁) with the force of the step before acting until the delay d ≤ T is over and −K·x − B·v after it:
+//! State (x, v, F₋₁): the force of the previous step acts until the delay d ≤ T has passed, then −K·x − B·v:
 //!
 //! x' = x + α(T) v + β₁ F₋₁ + β₀ F,  v' = E v + γ₁ F₋₁ + γ₀ F,  E = e^(−bT/m)
 //!
-//! with α, β, γ of eq. 4.17 over the parts of the period (Åström and Wittenmark, *Computer-Controlled Systems*, 3.2).
-//! In units of T and m: lengths of time in T, damping in m/T, stiffness in m/T². K and B enter every coefficient of
-//! the characteristic polynomial z³ + a₂z² + a₁z + a₀ linearly.
+//! with α, β, γ of [thesis, eq. 4.17] over the parts of the period [astrom-1997, ch. 3.2].
+//! Units are T and m: time in T, damping in m/T, stiffness in m/T². Every coefficient of the characteristic polynomial
+//! z³ + a₂z² + a₁z + a₀ is linear in K and B.
 
 use friction::Scalar;
 
-/// What a free device does while a constant force acts on it.
+/// Response of a free device to a constant force.
 pub(super) struct Free<S> {
-    /// What is left of its velocity, e^(−bt/m).
+    /// Factor on the velocity, e^(−bt/m).
     pub e: S,
-    /// How far a velocity carries it.
+    /// Displacement per velocity.
     pub alpha: S,
-    /// How far a force carries it.
+    /// Displacement per force.
     pub beta: S,
-    /// How fast a force makes it.
+    /// Velocity per force.
     pub gamma: S,
 }
 
 impl<S: Scalar> Free<S> {
-    /// During the time `t`, periods, where damping takes the share 1 − e^(−x) in one period.
+    /// Response after the time `t`, periods, with a damping that removes the share 1 − e^(−x) of the velocity per period.
     pub fn over(t: S, x: S) -> Self {
         let (one, half) = (S::one(), S::lit(0.5));
         let y = x * t;
@@ -55,12 +55,12 @@ fn linear<S: Scalar>(p: S, q: S) -> Condition<S> {
     [p, q, S::zero()]
 }
 
-/// What a polynomial that is linear in K is times another one.
+/// Product of two polynomials that are linear in K.
 fn product<S: Scalar>((p, q): (S, S), (r, s): (S, S)) -> Condition<S> {
     [p * r, p * s + q * r, q * s]
 }
 
-/// Up to where the condition holds from K = 0 on.
+/// Largest K up to which the condition holds from K = 0.
 fn holds_to<S: Scalar>([c0, c1, c2]: Condition<S>) -> S {
     let (zero, never) = (S::zero(), S::lit(f64::INFINITY));
     if !(c0 > zero) {
@@ -74,18 +74,17 @@ fn holds_to<S: Scalar>([c0, c1, c2]: Condition<S>) -> S {
     if !(discriminant >= zero) {
         return never;
     }
-    // without the difference of what is nearly equal
+    // avoids the difference of nearly equal terms
     let root = discriminant.sqrt();
     let q = S::lit(-0.5) * (c1 + if c1 < zero { -root } else { root });
     beyond(q / c2).min(beyond(c0 / q))
 }
 
-/// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes when the force acts `delay` s after the sample,
-/// with an exact velocity. Delays beyond one period count as one. Zero where B alone is already too much, or where
-/// there is no damping at all.
+/// Largest stable stiffness K, N/m, of a handle held by K·x + B·ẋ with a force that acts `delay` s after the sample and an
+/// exact velocity. A delay beyond one period counts as one period. Zero if B alone is unstable, or without any damping.
 ///
-/// Jury's conditions are linear and quadratic in K: the bound is the first zero of any of them, no search. The one at
-/// z = 1 is K times something positive.
+/// Jury's conditions are linear and quadratic in K: the bound is their first zero, found without a search. The condition at
+/// z = 1 is K times a positive number.
 #[must_use]
 pub fn stiffness_max_delayed<S: Scalar>(mass: S, damping: S, period: S, coupling_damping: S, delay: S) -> S {
     let (one, two) = (S::one(), S::lit(2.0));
@@ -96,7 +95,7 @@ pub fn stiffness_max_delayed<S: Scalar>(mass: S, damping: S, period: S, coupling
     let e = old.e * new.e;
     // 1 − E, as a sum
     let lost = x * (old.alpha + old.e * new.alpha);
-    // what the old force does to the speed: it acts, then the device coasts
+    // effect of the old force on the speed: it acts, then the device coasts
     let gamma_1 = old.gamma * new.e;
     let beta_1 = old.beta + old.gamma * new.alpha;
     // γ₀α − β₀E and γ₁α − β₁E
@@ -125,8 +124,8 @@ mod tests {
     use super::*;
     use std::println;
 
-    /// Ratio of the energy of the last tenth of a free swing to the first, by stepping the equation of motion in
-    /// sub-steps of 1/500 period, not by the matrix.
+    /// Ratio of the energies in the last and the first tenth of a free swing, from the equation of motion in sub-steps of
+    /// 1/500 period, independent of the matrix.
     fn grows(mass: f64, damping: f64, period: f64, delay: f64, k: f64, b: f64) -> bool {
         const FINE: u32 = 500;
         let h = period / f64::from(FINE);
@@ -177,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn single_precision_gives_the_same_bound_to_a_hundred_thousandth() {
+    fn single_precision_gives_the_same_bound() {
         let mut worst = 0.0_f64;
         for (mass, damping) in
             [(0.692, 6.92), (0.692, 1.0), (0.692, 0.01), (0.1, 30.0), (2.0, 0.05), (0.02, 40.0)]
@@ -188,7 +187,7 @@ mod tests {
                         let exact = stiffness_max_delayed(mass, damping, period, b, delay);
                         let [m, d, t, b, l] = [mass, damping, period, b, delay].map(|x| x as f32);
                         let single = f64::from(stiffness_max_delayed(m, d, t, b, l));
-                        // on the edge of B alone being too much, the bound is a difference
+                        // where B alone is nearly unstable the bound is a difference
                         if exact > 1.0 {
                             worst = worst.max((single / exact - 1.0).abs());
                         }
@@ -207,7 +206,7 @@ mod tests {
     fn without_delay_it_is_the_printed_closed_form() {
         let (m, b, t) = (1.0_f64, 10.0, 1e-3);
         for coupling in [0.0, 3.0, 15.0, 100.0] {
-            // det < 1 of the sampled device: (1 − E + γB)/(γα − βE), as eq. 4.17 and 4.18 print them
+            // det < 1 of the sampled device: (1 − E + γB)/(γα − βE), as [thesis, eq. 4.17 and 4.18] print them
             let (tau, e) = (m / b, (-b * t / m).exp());
             let (alpha, gamma) = (tau * (1.0 - e), (1.0 - e) / b);
             let printed = (1.0 - e + gamma * coupling) / (gamma * alpha - (t - alpha) / b * e);

@@ -1,46 +1,45 @@
-//! Handle and block, both free, swinging against each other on the coupling: the sampled loop that a block held by
-//! friction does not show.
+//! Stability of a free handle and a free block that swing against each other on the coupling.
 //!
-//! The handle feels the force of a sample over the coming period, on average T/2 and the delay late. Against a block
-//! that is stuck it has all of its damping, K (T/2 + d) < B + b. Against a block that slides it has of b only what the
-//! handle's part of the motion takes, and of B more; for small T, with s = M/(m + M):
+//! The force of a sample acts over the coming period, on average T/2 plus the delay late. Against a stuck block the handle
+//! has all of its damping: K (T/2 + d) < B + b. Against a sliding block it has less of b and more of B; for small T, with
+//! s = M/(m + M):
 //!
 //! K (T/2 + d) < B/s + b s
 //!
-//! which may be less than B + b, down to 2√(Bb). At the other end of the spectrum a block of eq. 4.22-4.24 turns every
-//! period where KT² + 2BT (1 + M/m) > 4M: of eq. 4.35's two terms only the damping sees that the handle gives way, too.
-//! Here neither is approximated: the characteristic polynomial is in δ = z − 1, where all that enters is positive and
-//! nothing cancels, then in s = δ/(2 + δ), where Routh's conditions tell. `f32` does.
+//! which can be smaller than B + b, down to 2√(Bb). At the other end of the spectrum a block of [thesis, eq. 4.22 to 4.24]
+//! reverses every period if KT² + 2BT (1 + M/m) > 4M: of the two terms in [thesis, eq. 4.35] only the damping depends on the
+//! compliance of the handle. This module approximates neither. The characteristic polynomial is in δ = z − 1, where all terms
+//! are positive and nothing cancels, then in s = δ/(2 + δ) for Routh's conditions. `f32` is sufficient.
 //!
-//! In units of T and m, as in delay.rs. With the handle's transfer functions X/F = n_x/(z (δ + ℓ) δ) and
+//! Units are T and m, as in delay.rs. With the handle's transfer functions X/F = n_x/(z (δ + ℓ) δ) and
 //! V/F = n_v/(z (δ + ℓ)), ℓ = 1 − E, and ρ = m/M:
 //!
 //! z δ² (δ + ℓ) + K (δ n_x + ρ P_K z (δ + ℓ)) + B (δ² n_v + ρ δ P_B z (δ + ℓ)) = 0
 //!
-//! P_K = z, P_B = 1 where the block is stepped by eq. 4.22-4.24; (1 + δ/2)², 1 + δ/2 where the coupling acts in the middle
-//! of the period (stopping force).
+//! with P_K = z, P_B = 1 for a block stepped by [thesis, eq. 4.22 to 4.24], and P_K = (1 + δ/2)², P_B = 1 + δ/2 for a coupling
+//! in the middle of the period (stopping force).
 
 use super::delay::Free;
 use friction::Scalar;
 
-/// A handle without a hand, and a block that nothing holds.
+/// A free handle and a free block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeBlock<S> {
     /// Mass of the handle m, kg.
     pub device_mass: S,
-    /// Viscous damping of the handle b, N·s/m; above zero.
+    /// Viscous damping of the handle b, N·s/m. Above zero.
     pub device_damping: S,
     /// Control period T, s.
     pub period: S,
-    /// From sample to force, s; up to one period.
+    /// Delay from sample to force, s. At most one period.
     pub delay: S,
     /// Mass of the block M, kg.
     pub mass: S,
-    /// The block is that of the stopping-force renderer, else that of eq. 4.22-4.24.
+    /// Whether the block is that of the stopping-force renderer. If not, that of [thesis, eq. 4.22 to 4.24].
     pub midpoint: bool,
 }
 
-/// Coefficients of 1, δ … δ⁴.
+/// Coefficients of 1, δ, … δ⁴.
 type Polynomial<S> = [S; 5];
 
 fn times<S: Scalar>(a: &Polynomial<S>, b: &[S]) -> Polynomial<S> {
@@ -54,7 +53,7 @@ fn times<S: Scalar>(a: &Polynomial<S>, b: &[S]) -> Polynomial<S> {
 }
 
 impl<S: Scalar> FreeBlock<S> {
-    /// The characteristic polynomial as [part of neither, part of K, part of B].
+    /// Characteristic polynomial as [constant part, part of K, part of B].
     fn parts(&self) -> [Polynomial<S>; 3] {
         let (zero, one, half) = (S::zero(), S::one(), S::lit(0.5));
         let x = self.device_damping * self.period / self.device_mass;
@@ -62,7 +61,7 @@ impl<S: Scalar> FreeBlock<S> {
         let (old, new) = (Free::over(d, x), Free::over(one - d, x));
         let alpha = old.alpha + old.e * new.alpha;
         let lost = x * alpha;
-        // what the force does from its sample on, and what is left of it in the period after
+        // effect of the force from its sample on, and of its rest in the next period
         let (gamma, beta) = (new.gamma, new.beta);
         let gamma_both = gamma + old.gamma * new.e;
         let beta_both = beta + old.beta + old.gamma * new.alpha;
@@ -103,14 +102,14 @@ impl<S: Scalar> FreeBlock<S> {
         [a0, a1, a2, a3, a4].into_iter().all(|a| a > zero) && a1 * (a2 * a3 - a1 * a4) > a0 * a3 * a3
     }
 
-    /// Whether every motion of handle against block dies out with this coupling, N/m and N·s/m.
+    /// Whether every motion of handle against block decays with this coupling, N/m and N·s/m.
     #[must_use]
     pub fn is_stable(&self, stiffness: S, damping: S) -> bool {
         let (per_period, t) = (self.period / self.device_mass, self.period);
         Self::holds(&self.parts(), stiffness * per_period * t, damping * per_period)
     }
 
-    /// The largest stiffness up to `most`, N/m, that the two take beside so much damping; 0 where they take none.
+    /// Largest stable stiffness at this damping, N/m, at most `most`. 0 if none is stable.
     #[must_use]
     pub fn stiffness_max(&self, damping: S, most: S) -> S {
         let per_period = self.period / self.device_mass;
@@ -134,7 +133,7 @@ mod tests {
     use super::*;
     use std::println;
 
-    /// Numbers between 0 and 1 that fill a box evenly.
+    /// Low-discrepancy numbers between 0 and 1.
     fn shares(n: u32) -> [f64; 7] {
         [2, 3, 5, 7, 11, 13, 17].map(|base: u32| {
             let (mut n, mut share, mut sum) = (n, 1.0, 0.0);
@@ -147,7 +146,7 @@ mod tests {
         })
     }
 
-    /// A pair somewhere in what people may ask for, and B.
+    /// A pair within the accepted range, with B.
     fn pair(n: u32) -> (FreeBlock<f64>, f64) {
         let [a, b, c, d, e, f, g] = shares(n + 1);
         let log = |x: f64, low: f64, high: f64| low * (high / low).powf(x);
@@ -163,7 +162,7 @@ mod tests {
         (FreeBlock { delay, ..pair }, log(f, 0.3, 200.0))
     }
 
-    /// What the matrix says, an independent derivation.
+    /// Stability from the matrix, an independent derivation.
     fn radius(p: &FreeBlock<f64>, stiffness: f64, damping: f64) -> f64 {
         let closed = ClosedLoop {
             device_mass: p.device_mass,
@@ -230,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_what_the_continuous_pair_says_when_periods_are_short() {
+    fn short_periods_match_the_continuous_pair() {
         // K (T/2 + d) < B/s + b s for the midpoint block, to first order in T
         for (m, b, block, coupling) in [(0.7, 30.0, 0.3, 1.0), (0.7, 7.0, 0.1, 2.0), (1.0, 20.0, 2.0, 0.5)] {
             let t = 1e-5;
@@ -243,7 +242,7 @@ mod tests {
                 midpoint: true,
             };
             let s = block / (m + block);
-            // the midpoint of the block leads by what half a period would be late
+            // the midpoint of the block compensates the delay of half a period
             let told = (coupling / s + b * s) / (0.5 * t + pair.delay);
             let found: f64 = pair.stiffness_max(coupling, 1e9);
             println!(

@@ -1,9 +1,9 @@
-//! Stability and limit-cycle bounds of chapter 4, closed form.
+//! Closed-form stability and limit-cycle bounds [thesis, ch. 4].
 //!
-//! The device is eq. 4.14 (mass m, damping b) sampled with period T through a zero-order hold, so E = e^(−T/τ) and
-//! τ = m/b. Written without the differences that cancel (the printed forms lose four digits at x = bT/m = 0.01, and are
-//! 0/0 without damping), so that `f32` does: the device validates in it, where `f64` is software and 10 kB of flash.
-//! None of this runs in the control step.
+//! The device is [thesis, eq. 4.14] (mass m, damping b) sampled with period T through a zero-order hold, so E = e^(−T/τ) and
+//! τ = m/b. The printed forms lose four digits at x = bT/m = 0.01 and are 0/0 without damping. Here they are written without
+//! cancellation, so that `f32` is sufficient: on the device `f64` is software and takes 10 kB of flash. Nothing here runs in
+//! the control step.
 
 mod closed_loop;
 mod delay;
@@ -15,10 +15,11 @@ pub use free_block::FreeBlock;
 
 use friction::Scalar;
 
-/// Largest gain K_p of the stuck state, N/m (from eq. 4.18; eq. 4.19 is misprinted): b(1−E)/(τ−τE−TE).
+/// Largest gain K_p of the stuck state, N/m: b(1−E)/(τ−τE−TE), from [thesis, eq. 4.18]. The printed [thesis, eq. 4.19] is
+/// wrong.
 ///
 /// ```
-/// // m = 1 kg, b = 10 N·s/m, T = 1 ms: "about 20,000" in the thesis
+/// // m = 1 kg, b = 10 N·s/m, T = 1 ms: "about 20,000" [thesis, ch. 4.5]
 /// assert!((haptics::bounds::kp_max(1.0_f64, 10.0, 1e-3) - 20_033.4).abs() < 0.05);
 /// ```
 #[must_use]
@@ -26,29 +27,29 @@ pub fn kp_max<S: Scalar>(mass: S, damping: S, period: S) -> S {
     stiffness_max(mass, damping, period, S::zero())
 }
 
-/// Smallest gain K_p, N/m, that follows a force of `frequency` Hz (4.5.1.3): the natural frequency of the stuck handle
-/// at least 20 times as high, K = m (20·2πf)².
+/// Smallest gain K_p, N/m, that follows a force of `frequency` Hz: the natural frequency of the stuck handle is 20 times as
+/// high, K = m (20·2πf)² [thesis, ch. 4.5.1.3].
 #[must_use]
 pub fn kp_min(mass: f64, frequency: f64) -> f64 {
     let natural = 20.0 * core::f64::consts::TAU * frequency;
     mass * natural * natural
 }
 
-/// Largest stiffness K, N/m, that a handle held by K·x + B·ẋ takes, with an exact velocity and no delay.
-/// `coupling_damping` = 0 is [`kp_max`]. Zero where `coupling_damping` alone is already too much.
+/// Largest stable stiffness K, N/m, of a handle held by K·x + B·ẋ, with an exact velocity and no delay. Equals [`kp_max`] for
+/// `coupling_damping` = 0. Zero if `coupling_damping` alone is unstable.
 #[must_use]
 pub fn stiffness_max<S: Scalar>(mass: S, damping: S, period: S, coupling_damping: S) -> S {
     stiffness_max_delayed(mass, damping, period, coupling_damping, S::zero())
 }
 
-/// Largest damping, N·s/m, that the sampled device takes with no stiffness: b(1+E)/(1−E).
+/// Largest stable damping of the sampled device without stiffness, N·s/m: b(1+E)/(1−E).
 #[must_use]
 pub fn damping_max<S: Scalar>(mass: S, damping: S, period: S) -> S {
     friction_max(mass, damping, period, S::one())
 }
 
-/// Largest dynamic friction, N, without the zero-crossing limit cycle on the bare device, for a dead band `dv` in
-/// m/s (eq. 4.21): b·DV·(1+E)/(1−E). The printed minus sign is a direction.
+/// Largest dynamic friction without the zero-crossing limit cycle on the bare device, N, for a dead band `dv`, m/s:
+/// b·DV·(1+E)/(1−E) [thesis, eq. 4.21]. The printed minus sign is a direction.
 #[must_use]
 pub fn friction_max<S: Scalar>(mass: S, damping: S, period: S, dv: S) -> S {
     let free = delay::Free::over(S::one(), damping * period / mass);
@@ -56,8 +57,8 @@ pub fn friction_max<S: Scalar>(mass: S, damping: S, period: S, dv: S) -> S {
     mass / period * dv * (S::one() + free.e) / free.gamma
 }
 
-/// Velocity amplitude, m/s, of the zero-crossing limit cycle with the virtual coupling and a handle held still
-/// (eq. 4.35): 2FT/(4M − KT² − 2BT). Infinite at and beyond the singularity, where the block itself is unstable.
+/// Velocity amplitude of the zero-crossing limit cycle with the virtual coupling and a fixed handle, m/s: 2FT/(4M − KT² − 2BT)
+/// [thesis, eq. 4.35]. Infinite at and beyond the singularity, where the block itself is unstable.
 #[must_use]
 pub fn limit_cycle_velocity<S: Scalar>(friction: S, mass: S, stiffness: S, damping: S, period: S) -> S {
     let two = S::lit(2.0);
@@ -65,26 +66,26 @@ pub fn limit_cycle_velocity<S: Scalar>(friction: S, mass: S, stiffness: S, dampi
     if room > S::zero() { two * friction * period / room } else { S::lit(f64::INFINITY) }
 }
 
-/// Position amplitude of the same limit cycle, m: vT/2 by eq. 4.31 (eq. 4.36 is printed twice too large).
+/// Position amplitude of the same limit cycle, m: vT/2 by [thesis, eq. 4.31]. The printed [thesis, eq. 4.36] is twice as large.
 #[must_use]
 pub fn limit_cycle_position<S: Scalar>(friction: S, mass: S, stiffness: S, damping: S, period: S) -> S {
     limit_cycle_velocity(friction, mass, stiffness, damping, period) * period / S::lit(2.0)
 }
 
-/// Coupling damping B, N·s/m, at which eq. 4.35 is singular: (4M − KT²)/2T.
+/// Coupling damping B, N·s/m, at which [thesis, eq. 4.35] is singular: (4M − KT²)/2T.
 #[must_use]
 pub fn damping_singular<S: Scalar>(mass: S, stiffness: S, period: S) -> S {
     (S::lit(4.0) * mass - stiffness * period * period) / (S::lit(2.0) * period)
 }
 
-/// Coupling stiffness K, N/m, at which eq. 4.35 is singular: (4M − 2BT)/T².
+/// Coupling stiffness K, N/m, at which [thesis, eq. 4.35] is singular: (4M − 2BT)/T².
 #[must_use]
 pub fn stiffness_singular<S: Scalar>(mass: S, damping: S, period: S) -> S {
     (S::lit(4.0) * mass - S::lit(2.0) * damping * period) / (period * period)
 }
 
-/// Damping to spare, N·s/m, of b > KT/2 + B (Colgate & Schenkel): at or above zero the coupling is passive with
-/// *any* hand. It is sufficient, not necessary; a grasp brings damping of its own.
+/// Margin of the passivity condition b > KT/2 + B [colgate-1997], N·s/m. At zero or above the coupling is passive with *any*
+/// hand. The condition is sufficient, not necessary: a grasp adds damping.
 #[must_use]
 pub fn passivity_margin<S: Scalar>(damping: S, stiffness: S, coupling_damping: S, period: S) -> S {
     damping - (stiffness * period / S::lit(2.0) + coupling_damping)
@@ -98,7 +99,7 @@ mod tests {
     const T: f64 = 1e-3;
 
     #[test]
-    fn checked_numbers_of_the_thesis() {
+    fn printed_numbers_are_reproduced() {
         let kp = kp_max(1.0, 10.0, T);
         let friction = friction_max(1.0, 10.0, T, 0.02);
         let singular = damping_singular(0.5, 10_000.0, T);
@@ -131,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn stiffness_bound_is_where_the_poles_leave_the_unit_circle() {
+    fn stiffness_bound_is_where_poles_become_unstable() {
         for (mass, damping) in [(1.0, 10.0), (0.692, 6.92), (0.692, 1.0), (0.1, 30.0), (2.0, 0.05)] {
             for b in [0.0, 3.0, 15.0, 100.0] {
                 let limit = stiffness_max(mass, damping, T, b);
@@ -160,8 +161,8 @@ mod tests {
     }
 
     #[test]
-    fn table_4_1_limit_cycle_starts_where_4_21_says() {
-        // one step from v = DV under dynamic friction alone, eq. 4.20
+    fn limit_cycle_of_table_4_1_follows_eq_4_21() {
+        // one step from v = DV under dynamic friction alone, [thesis, eq. 4.20]
         let (mass, damping, dv) = (1.0, 10.0, 0.02);
         let force = friction_max(mass, damping, T, dv);
         let e = (-T * damping / mass).exp();

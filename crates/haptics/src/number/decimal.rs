@@ -1,30 +1,30 @@
-//! Decimal numbers of many digits: exact, small, and not fast.
+//! Exact decimal numbers of many digits, for small code rather than speed.
 //!
-//! `f32` needs 112 digits at most, 0.5·2⁻¹⁴⁹ times an odd number of 25 bits, and everything here is exact up to
-//! [`MOST`]; beyond, digits are dropped and it is kept in mind that there were some. Doubling and halving a row of
-//! digits is all that is needed (Steele and White 1990 in spirit; the “simple decimal conversion” of Go and of `core`).
+//! `f32` needs at most 112 digits: 0.5·2⁻¹⁴⁹ times an odd number of 25 bits. Numbers up to [`MOST`] digits are exact; beyond,
+//! digits are dropped and a flag records that. The only operations are doubling and halving a row of digits, as in
+//! [steele-1990] and in the “simple decimal conversion” of Go and `core`.
 
 use heapless::Vec;
 
-/// Digits that are kept.
+/// Number of digits kept.
 const MOST: usize = 128;
-/// Binary places that one pass takes: what is carried from digit to digit stays below 2³².
+/// Binary places per pass. The carry between digits stays below 2³².
 const AT_ONCE: u32 = 24;
-/// Bits of a significand, and the exponent of its last one in the smallest numbers.
+/// Bits of a significand, and the exponent of its last bit in the smallest numbers.
 const BITS: u32 = 24;
 const LOWEST: i32 = -149;
 
-/// 0.d₁d₂d₃… × 10^point, without zeros at either end; no digits are 0.
+/// The number 0.d₁d₂d₃… × 10^point without zeros at either end. No digits stand for 0.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Decimal {
     digits: Vec<u8, MOST>,
     point: i32,
-    /// Digits other than 0 were dropped behind the last.
+    /// Whether non-zero digits were dropped after the last.
     more: bool,
 }
 
 impl Decimal {
-    /// From the digits of a text, the first one first; `exponent` counts behind them.
+    /// The number with these digits, the first one first, times 10^`exponent`.
     pub fn new<'a>(digits: impl Iterator<Item = &'a u8>, exponent: i32) -> Self {
         let mut new = Self { point: exponent, ..Self::default() };
         for digit in digits.map(|ascii| ascii.wrapping_sub(b'0')) {
@@ -56,7 +56,7 @@ impl Decimal {
         new
     }
 
-    /// A digit behind the others; the point stays where it is.
+    /// Appends a digit. The point stays.
     fn push(&mut self, digit: u8) {
         if self.digits.is_empty() && digit == 0 {
             self.point -= 1;
@@ -65,7 +65,7 @@ impl Decimal {
         }
     }
 
-    /// Digits of `number` before the others.
+    /// Prepends the digits of `number`.
     fn carry(&mut self, mut number: u32) {
         while number > 0 {
             if self.digits.is_full() {
@@ -83,7 +83,7 @@ impl Decimal {
         }
     }
 
-    /// × 2^places, at most [`AT_ONCE`].
+    /// Multiplies by 2^places, at most [`AT_ONCE`].
     fn double(&mut self, places: u32) {
         let mut carried = 0;
         for digit in self.digits.iter_mut().rev() {
@@ -95,7 +95,7 @@ impl Decimal {
         self.trim();
     }
 
-    /// ÷ 2^places, at most [`AT_ONCE`].
+    /// Divides by 2^places, at most [`AT_ONCE`].
     fn halve(&mut self, places: u32) {
         let old = core::mem::take(&mut self.digits);
         let mut digits = old.iter();
@@ -113,22 +113,22 @@ impl Decimal {
         self.trim();
     }
 
-    /// Digits before the point, as they are written: 3 for 120.5, 0 for 0.05.
+    /// Number of digits before the point: 3 for 120.5, 0 for 0.05.
     pub fn point(&self) -> i32 {
         if self.digits.is_empty() { 0 } else { self.point }
     }
 
-    /// The digit at a place, counted from the first; 0 beyond them.
+    /// Digit at a place counted from the first. 0 beyond the last.
     pub fn digit(&self, place: i32) -> u8 {
         usize::try_from(place).ok().and_then(|place| self.digits.get(place)).copied().unwrap_or(0)
     }
 
-    /// How many digits there are.
+    /// Number of digits.
     pub fn len(&self) -> i32 {
         self.digits.len() as i32
     }
 
-    /// Rounds to the nearest number of so many digits; a tie goes to the even digit.
+    /// Rounds to the nearest number with `digits` digits, ties to even.
     pub fn round(&mut self, keep: i32) {
         if keep >= self.len() {
             return;
@@ -139,7 +139,7 @@ impl Decimal {
         self.cut(keep, up);
     }
 
-    /// Cuts to so many digits, and takes the next larger number if it is to go up.
+    /// Truncates to `digits` digits, then rounds up if `up`.
     pub fn cut(&mut self, keep: i32, up: bool) {
         self.digits.truncate(usize::try_from(keep).unwrap_or(0));
         self.more = false;
@@ -155,12 +155,12 @@ impl Decimal {
         self.trim();
     }
 
-    /// Digits before the point as a number; at most 9 of them.
+    /// Digits before the point as a number, at most 9 digits.
     fn whole(&self) -> u32 {
         (0..self.point()).fold(0, |whole, place| whole * 10 + u32::from(self.digit(place)))
     }
 
-    /// Bits of the nearest `f32`, a tie going to the even one; infinity beyond the largest.
+    /// Bits of the nearest `f32`, ties to even. Infinity beyond the largest.
     pub fn nearest(mut self) -> u32 {
         const INFINITY: u32 = 0x7f80_0000;
         if self.digits.is_empty() || self.point < -60 {
@@ -183,7 +183,7 @@ impl Decimal {
             exponent -= places;
         }
         self.round(self.point);
-        // the leading bit of the significand adds one to the exponent, and so does one that is rounded up to 2²⁴
+        // the leading bit of the significand adds one to the exponent, and so does rounding up to 2²⁴
         let bits = (((exponent - LOWEST) as u32) << (BITS - 1)).saturating_add(self.whole());
         bits.min(INFINITY)
     }

@@ -1,7 +1,6 @@
-//! Numbers as people type and read them.
+//! A custom `f32` parser and formatter.
 //!
-//! Not by `core`, whose two ways take 20 kB of flash: one row of digits serves both here, and gives the same numbers
-//! and the same texts.
+//! Those of `core` take 20 kB of flash. These share one row of digits and give the same numbers and texts.
 
 mod decimal;
 mod text;
@@ -10,7 +9,7 @@ pub use text::Text;
 
 use decimal::Decimal;
 
-/// The finite number a text is: `-0.35`, `2e-3`, `7.`, `.5`. Nothing else, and nothing beyond the range of `f32`.
+/// Parses a finite number such as `-0.35`, `2e-3`, `7.` or `.5`. `None` for anything else, and beyond the range of `f32`.
 #[must_use]
 pub fn parse(text: &str) -> Option<f32> {
     let (negative, text) = match text.as_bytes() {
@@ -36,7 +35,7 @@ pub fn parse(text: &str) -> Option<f32> {
     magnitude.is_finite().then_some(if negative { -magnitude } else { magnitude })
 }
 
-/// The number of four digits next to `x` ≥ 0, below or above it; `x` itself if it has no more.
+/// Number of four digits next to `x` ≥ 0, below or above it. `x` if it has at most four digits.
 pub(crate) fn four_digits(x: f32, above: bool) -> f32 {
     let mut decimal = Decimal::of(x);
     let up = above && decimal.len() > 4;
@@ -44,7 +43,7 @@ pub(crate) fn four_digits(x: f32, above: bool) -> f32 {
     f32::from_bits(decimal.nearest())
 }
 
-/// The digits a text begins with, and what follows.
+/// Leading digits of a text, and the rest.
 fn digits(text: &[u8]) -> (&[u8], &[u8]) {
     let count = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
     text.split_at(count)
@@ -60,7 +59,7 @@ fn exponent(text: &[u8]) -> Option<i32> {
     if digits.is_empty() {
         return None;
     }
-    // far beyond the range is far enough
+    // saturates far beyond the range
     let value = digits.iter().fold(0_i32, |value, digit| (value * 10 + i32::from(digit - b'0')).min(9_999));
     Some(if negative { -value } else { value })
 }

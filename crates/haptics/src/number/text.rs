@@ -1,10 +1,10 @@
-//! Numbers as text, without the float formatting of `core`: that takes 9 kB of flash.
+//! Formatting of numbers, without the 9 kB of flash of `core`.
 
 use super::decimal::Decimal;
 use core::fmt::{self, Write};
 
-/// An `f32` as `core` would show it: `{}` the shortest text that reads back as the same number, `{:.3}` the exact value
-/// rounded to so many places. Never with an exponent; width and fill are not used.
+/// An `f32` formatted like `core` does: `{}` gives the shortest text that parses to the same number, `{:.3}` the exact value
+/// rounded to three places. Never an exponent; width and fill are ignored.
 ///
 /// ```
 /// use haptics::number::Text;
@@ -54,15 +54,15 @@ fn write(decimal: &Decimal, places: i32, f: &mut fmt::Formatter<'_>) -> fmt::Res
     Ok(())
 }
 
-/// The fewest digits that read back as the same number, and of those the nearest.
+/// The fewest digits that parse to the same number, and the nearest of those.
 fn shortest(x: f32) -> Decimal {
     let exact = Decimal::of(x);
     let bits = x.to_bits() & 0x7fff_ffff;
-    // below a power of two the numbers are closer: there the nearest of so many digits may be another number, while
-    // the next larger is still this one
+    // below a power of two the numbers are closer: the nearest decimal may parse to another number, while the next
+    // larger one still parses to this one
     let uneven = bits.trailing_zeros() >= 23;
     for digits in 1..9 {
-        // a tie goes up, as in `core`
+        // ties go up, as in `core`
         let nearer_up = exact.digit(digits) >= 5;
         for up in [nearer_up, true] {
             let mut text = exact.clone();
@@ -85,7 +85,7 @@ mod tests {
     use super::{super::parse, Text};
     use std::{format, println, string::String};
 
-    /// splitmix64 (Steele, Lea, Flood 2014).
+    /// SplitMix64 [steele-2014].
     fn random(state: &mut u64) -> u64 {
         *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn shows_what_the_standard_library_shows() {
         for exponent in 0..=255_u32 {
-            // every power of two with its neighbours, where the distances are uneven
+            // every power of two with its neighbours, where spacing changes
             for near in [-2_i32, -1, 0, 1, 2] {
                 agrees(f32::from_bits((exponent << 23).wrapping_add_signed(near)));
             }
@@ -118,7 +118,7 @@ mod tests {
             let bits = random(&mut state);
             let x = f32::from_bits(bits as u32);
             agrees(x);
-            // of the size that is really shown, with few digits and with all
+            // of the size shown in practice, with few digits and with all
             let near = (random(&mut state) as i32) as f32 * 10_f32.powi((bits >> 32) as i32 % 12 - 14);
             let places = (bits >> 40) as usize % 9;
             agrees(near);
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn ties_are_rounded_as_the_standard_library_rounds_them() {
+    fn ties_round_like_the_standard_library() {
         for numerator in -4_000..4_000_i16 {
             let x = f32::from(numerator) / 64.0;
             for places in 0..8 {

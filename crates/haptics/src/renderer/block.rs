@@ -1,4 +1,4 @@
-//! The virtual block behind the coupling: what every renderer that has one remembers.
+//! State of a virtual block behind the coupling.
 
 use super::Handle;
 use super::dither::Dither;
@@ -8,7 +8,7 @@ use core::mem::{Discriminant, discriminant};
 use friction::effects::{EffectKind, EffectState};
 use friction::{Law, LawState};
 
-/// Memory of the block and of its contact.
+/// State of the block and of its contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block {
     pub(super) position: f32,
@@ -23,8 +23,8 @@ pub struct Block {
 }
 
 impl Block {
-    /// The block where the handle is, moving with it: no force.
-    #[inline(always)] // made where it stays: copying it costs a control step a tenth of its time
+    /// A block at the handle, with its velocity: no force.
+    #[inline(always)] // constructed in place: a copy costs a tenth of a control step
     pub(crate) fn new(config: &Config, handle: &Handle) -> Self {
         Self {
             position: handle.position,
@@ -44,7 +44,7 @@ impl Block {
     }
 }
 
-/// `force` within ±`limit`; NaN stays NaN and becomes a fault.
+/// `force` within ±`limit`. NaN stays NaN and becomes a fault.
 pub(super) fn limited(force: f32, limit: f32) -> f32 {
     if force > limit {
         limit

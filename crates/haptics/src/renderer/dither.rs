@@ -1,68 +1,68 @@
-//! Where a handle at rest is between two counts.
+//! Position of a handle at rest between two counts.
 //!
-//! A stiff spring on whole counts cannot balance a hand that presses with a force between those of two counts: the
-//! handle is driven to and fro over the edges beside the balance, at K times a count, for as long as the hand rests. But
-//! how long it stays on each count tells where the balance is: the mean force over whole swings *is* the hand's.
+//! A stiff spring on whole counts cannot balance a hand whose force lies between those of two counts. The handle oscillates
+//! across the edges, with a force step of K times a count, as long as the hand rests. The time it spends on each count shows
+//! the balance: the mean force over whole oscillations *is* that of the hand.
 //!
-//! So after [`CROSSINGS`] crossings within [`WIDEST`] counts these count as one place, their mean over that time, and
-//! the force is constant while the handle stays there. Beyond it the force steps up, so force over position stays a
-//! staircase that only rises, without hysteresis: no more energy than the encoder's own. A handle that leaves to one
-//! side says that the place was too far to the other: it is moved, by half as much after every change of side. Farther
-//! out all is forgotten, and a handle that travels never stays within so few counts.
+//! After [`CROSSINGS`] crossings within [`WIDEST`] counts these counts become one place, at their mean over that time, and
+//! the force is constant there. Beyond it the force steps up: force over position remains a rising staircase without
+//! hysteresis, which adds no energy beyond that of the encoder. A handle that leaves on one side shows that the place was too
+//! far on the other. The place is moved, by half as much after each change of side. Farther out it is forgotten; a
+//! travelling handle never stays within so few counts.
 //!
-//! A handle that goes to and fro so little is braked, too ([`Dither::brake`]): its velocity is known in the period in
-//! which it crosses an edge and stale in those after, so the damping of the coupling, which acts in all of them, drives
-//! as much as it damps. For that one period it is damped by m/2T, which takes half the speed of a free handle.
+//! An oscillating handle is also braked ([`Dither::brake`]). Its velocity is known in the period in which it crosses an edge
+//! and stale in the following ones, so the damping of the coupling drives as much as it damps. For that one period the handle
+//! is damped with m/2T, which halves the speed of a free handle.
 
 use super::Handle;
 
-/// Crossings after which it is dither.
+/// Number of crossings that count as dither.
 const CROSSINGS: u8 = 9;
-/// Counts that may count as one place.
+/// Largest width of a place, counts.
 const WIDEST: f32 = 4.0;
-/// First correction of the place, counts.
+/// First correction of a place, counts.
 const CORRECTION: f32 = 0.25;
 /// Smallest correction, counts.
 const FINEST: f32 = 1.0 / 256.0;
-/// How far a handle one count beside the place is taken to be from it, counts. A step that comes a period late drives
-/// what it should hold, the more the larger it is.
+/// Assumed distance of a handle that is one count beside the place, counts. A force step comes a period late and drives the
+/// handle, more so for a larger step.
 const BESIDE: f32 = 0.25;
 
-/// No place is known.
+/// Marks an unknown place.
 const NOWHERE: f32 = -1.0;
 
-/// What is known of a handle at rest.
+/// State of a handle at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Dither {
-    /// The lowest count, m, and how many beside it, upwards.
+    /// Lowest count, m, and number of counts above it.
     low: f32,
     span: f32,
-    /// Crossings since.
+    /// Number of crossings since then.
     crossings: u8,
-    /// Samples since, and the sum of their positions from `low`, counts.
+    /// Number of samples since then, and the sum of their positions from `low`, counts.
     samples: f32,
     sum: f32,
-    /// The place from `low`, counts, once it is known; before that, something negative.
+    /// Place from `low`, counts. Negative until known.
     place: f32,
-    /// Next correction, positive upwards, counts.
+    /// Next correction, counts, positive upwards.
     correction: f32,
 }
 
 impl Default for Dither {
-    #[inline(always)] // made in a control step
+    #[inline(always)] // constructed in a control step
     fn default() -> Self {
         Self { low: 0.0, span: 0.0, crossings: 0, samples: 0.0, sum: 0.0, place: NOWHERE, correction: 0.0 }
     }
 }
 
 impl Dither {
-    /// Force of `damping` N·s/m on a handle that crosses an edge to and fro, N, against its velocity.
+    /// Braking force of `damping`, N·s/m, on a handle that oscillates across an edge, N.
     #[inline(always)]
     pub(super) fn brake(&self, handle: &Handle, damping: f32) -> f32 {
         if handle.displacement != 0.0 && self.crossings > 1 { damping * handle.velocity } else { 0.0 }
     }
 
-    /// The position of the handle, m, with a count of `count` m.
+    /// Position of the handle, m, for a count of `count` m.
     #[inline(always)]
     pub(super) fn settle(&mut self, handle: &Handle, count: f32, per_count: f32) -> f32 {
         let (position, displacement) = (handle.position, handle.displacement);
@@ -94,7 +94,7 @@ impl Dither {
             self.sum += at;
             return position;
         }
-        // a count that was not among those so far: it joins them, or others begin with it
+        // a new count: joins the others, or starts a new set
         let (low, span) = if self.crossings > 0 {
             if at < 0.0 { (position, self.span - at) } else { (self.low, at) }
         } else {
@@ -112,7 +112,7 @@ impl Dither {
         position
     }
 
-    /// The handle left the place, upwards or downwards.
+    /// Corrects the place after the handle left it, upwards or downwards.
     fn correct(&mut self, place: f32, upwards: bool) -> f32 {
         if (self.correction > 0.0) != upwards {
             let half = -0.5 * self.correction;

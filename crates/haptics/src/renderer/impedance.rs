@@ -1,15 +1,15 @@
-//! Friction on the handle itself.
+//! Impedance renderer: friction on the handle itself.
 //!
-//! Karnopp is table 4-1, with its misprint corrected: `friction`, `ff` and `ff_old` are *one* variable. The stuck
-//! spring is kept as the force it had where it was entered and the travel since, so that a handle that does not move
-//! keeps exactly its force: no chatter from rounding.
+//! Karnopp follows [thesis, table 4-1] with its misprint corrected: `friction`, `ff` and `ff_old` are *one* variable. The
+//! stuck spring is stored as its force at entry plus the travel since, so that a resting handle keeps exactly its force,
+//! without chatter from rounding.
 //!
-//! Coulomb needs no dead band: the spring itself is clipped to the level and dragged along (the stopping force where
-//! the applied force is only known through a spring; eq. 4.6, 4.7 of Hayward and Armstrong), so there is no velocity
-//! in the decision and no zero-crossing limit cycle.
+//! Coulomb needs no dead band. The spring itself is clipped to the level and dragged along: the stopping force for an applied
+//! force that is known only through a spring [thesis, eq. 4.6 and 4.7]. The decision does not use the velocity, so there is
+//! no zero-crossing limit cycle.
 //!
-//! Dahl and LuGre act on the measured motion as it is. They creep where Karnopp and Coulomb hold: both laws drift under
-//! a load that vibrates, and an encoder toggling over one edge is such a vibration.
+//! Dahl and LuGre act on the measured motion. They creep where Karnopp and Coulomb hold: both laws drift under a vibrating
+//! load, and an encoder that toggles across an edge is such a load.
 
 use super::{Handle, Rendered};
 use crate::Config;
@@ -18,11 +18,11 @@ use core::mem::{Discriminant, discriminant};
 use friction::effects::{EffectKind, EffectState};
 use friction::{FrictionLaw, Law, LawState, Motion};
 
-/// Memory of the contact.
+/// State of the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impedance {
     grip: Grip,
-    /// Force on the handle in the last step, N: the one variable of table 4-1.
+    /// Force on the handle in the previous step, N: the one variable of [thesis, table 4-1].
     friction: f32,
     law: LawState<f32>,
     law_kind: Discriminant<Law<f32>>,
@@ -30,10 +30,10 @@ pub struct Impedance {
     kinds: [Option<EffectKind>; MAX_EFFECTS],
 }
 
-/// `state` of table 4-1.
+/// `state` of [thesis, table 4-1].
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Grip {
-    /// STUCK: the spring had `preload` N on the handle when this began at `entered`.
+    /// STUCK: the spring pushed with `preload`, N, when the handle stuck at `entered`, m.
     Stuck { entered: f32, preload: f32 },
     /// SLIDING.
     Sliding,
@@ -47,8 +47,8 @@ struct Direction {
 }
 
 impl Impedance {
-    /// Stuck where the handle is, without force.
-    #[inline(always)] // as the virtual coupling's
+    /// A contact stuck at the handle, without force.
+    #[inline(always)] // like that of the virtual coupling
     pub(crate) fn new(config: &Config, handle: &Handle) -> Self {
         Self {
             grip: Grip::Stuck { entered: handle.position, preload: 0.0 },
@@ -101,7 +101,7 @@ impl Impedance {
             }
         };
         self.friction = force;
-        // friction effects change sign with the velocity, which a stuck handle does not have
+        // friction effects change sign with the velocity, which is zero for a stuck handle
         let felt = if stuck { Motion { velocity: 0.0, displacement: 0.0, ..motion } } else { motion };
         let mut extra = 0.0;
         for (effect, state) in config.effects.iter().zip(&mut self.effects) {
@@ -122,7 +122,7 @@ impl Impedance {
         }
     }
 
-    /// Table 4-1. Returns the force on the handle and whether it is stuck.
+    /// [thesis, table 4-1]. Returns the force on the handle and whether it is stuck.
     fn table_4_1(
         &mut self,
         config: &Config,
@@ -133,20 +133,20 @@ impl Impedance {
         match self.grip {
             Grip::Stuck { entered, preload } => {
                 let spring = preload - config.stiffness * (x - entered);
-                // a negative force holds against positive motion: sign(x − x_stuck) of the table
+                // a negative force opposes positive motion: sign(x − x_stuck) of the table
                 let positive = spring < 0.0;
                 let d = direction(positive);
                 if spring.abs() > d.fixed {
                     self.grip = Grip::Sliding;
                     (slide(positive, &d, v), false)
                 } else {
-                    // 4.5.1.2: damping of the stuck spring, worth having since the velocity is good at rest
+                    // damping of the stuck spring [thesis, ch. 4.5.1.2]; the velocity estimate is good at rest
                     (spring - config.damping * v, true)
                 }
             }
             Grip::Sliding => {
                 if v.abs() < config.dv {
-                    // x_stuck = x + sign(ff_old)·F_static/K_p, that is: the spring begins at the static level
+                    // x_stuck = x + sign(ff_old)·F_static/K_p: the spring begins at the static level
                     let old = self.friction;
                     let level = direction(old < 0.0).fixed;
                     let preload = if old > 0.0 {
@@ -175,7 +175,7 @@ impl Impedance {
         let (x, v) = (handle.position, handle.velocity);
         let (spring, was_stuck) = match self.grip {
             Grip::Stuck { entered, preload } => (preload - config.stiffness * (x - entered), true),
-            // dragged along: where it was clipped, the spring moves only back from its level
+            // dragged along: a clipped spring only moves back from its level
             Grip::Sliding => (self.sliding_level(direction) - config.stiffness * handle.displacement, false),
         };
         let positive = spring < 0.0;
@@ -192,7 +192,7 @@ impl Impedance {
         }
     }
 
-    /// The dry part of the last sliding force: its level, in its direction.
+    /// Dry part of the last sliding force: its level with its direction.
     fn sliding_level(&self, direction: &dyn Fn(bool) -> Direction) -> f32 {
         let positive = self.friction < 0.0;
         let level = direction(positive).moving;
@@ -200,7 +200,7 @@ impl Impedance {
     }
 }
 
-/// −sign·F_dynamic − B·v. A falling slope never turns friction into drive.
+/// Sliding force −sign·F_dynamic − B·v. A falling slope never makes friction drive.
 fn slide(positive: bool, d: &Direction, v: f32) -> f32 {
     let viscous = d.viscous * v;
     if positive {

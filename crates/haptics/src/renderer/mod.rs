@@ -1,5 +1,5 @@
-//! The virtual contact on the handle, in three ways: the handle itself rubs (impedance, table 4-1), or a virtual block
-//! behind a spring and damper does, stepped as in the thesis (virtual coupling, eq. 4.22-4.24) or with friction and
+//! The virtual contact on the handle. Three renderers: friction on the handle itself (impedance, [thesis, table 4-1]), or on a
+//! virtual block behind a spring and damper, stepped by [thesis, eq. 4.22 to 4.24] (virtual coupling) or with friction and
 //! coupling solved together (stopping force).
 
 mod block;
@@ -13,63 +13,63 @@ pub use impedance::Impedance;
 
 use crate::{Config, RendererKind};
 
-/// Motion of the handle as measured.
+/// Measured motion of the handle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Handle {
     /// m.
     pub position: f32,
     /// m/s.
     pub velocity: f32,
-    /// Moved since the last step, m.
+    /// Displacement since the last step, m.
     pub displacement: f32,
 }
 
 impl Handle {
-    /// Where it will be in `period` s if it goes on as it does.
+    /// Predicted motion after `period` s at constant velocity.
     pub(crate) fn after(&self, period: f32) -> Self {
         Self { position: self.position + self.velocity * period, ..*self }
     }
 }
 
-/// What a contact did in one step.
+/// Result of one step of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rendered {
     /// Force on the handle before the clamp, N.
     pub force: f32,
-    /// Position of what rubs, m.
+    /// Position of the sliding body, m.
     pub block_position: f32,
-    /// Velocity of what rubs, m/s.
+    /// Velocity of the sliding body, m/s.
     pub block_velocity: f32,
     /// Friction force, N, positive against positive motion.
     pub friction: f32,
-    /// Nothing slides.
+    /// Whether the contact sticks.
     pub stuck: bool,
 }
 
-/// A contact and its memory.
+/// A contact with its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Contact {
     /// Friction on the handle itself.
     Impedance(Impedance),
-    /// Friction on a virtual block, as in the thesis or as a stopping force.
+    /// Friction on a virtual block: virtual coupling or stopping force.
     Block(Block),
 }
 
 impl Contact {
-    /// A fresh contact where the handle is, without force.
+    /// A fresh contact at the handle, without force.
     #[must_use]
     #[inline(always)]
     pub fn new(config: &Config, handle: &Handle) -> Self {
         match config.renderer {
             RendererKind::Impedance => Self::Impedance(Impedance::new(config, handle)),
-            // one place for both: it is made where it stays
+            // constructed in place for both renderers
             RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
                 Self::Block(Block::new(config, handle))
             }
         }
     }
 
-    /// This memory belongs to that configuration: same renderer, same law, same effects.
+    /// Whether this state fits the configuration: same renderer, law and effects.
     pub(crate) fn fits(&self, config: &Config) -> bool {
         match (self, config.renderer) {
             (Self::Impedance(contact), RendererKind::Impedance) => contact.fits(config),
@@ -78,7 +78,7 @@ impl Contact {
         }
     }
 
-    /// One period: the force that answers the handle's motion.
+    /// One period: the force for the motion of the handle.
     pub fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
         match self {
             Self::Impedance(contact) => contact.step(config, handle),

@@ -1,6 +1,6 @@
-//! Friction on the virtual block as a stopping force, solved together with the coupling within the period.
+//! Stopping-force renderer: friction on the virtual block and its coupling, solved together within a period.
 //!
-//! Block, coupling and friction over one period T, with the handle at x, v as sampled and w⁺ the block's new velocity:
+//! Block, coupling and friction over one period T, with the sampled handle x, v and the new velocity w⁺ of the block:
 //!
 //! ```text
 //! M (w⁺ − w)/T = F_c − F,      F_c = K (x − p̄) + B (v − w̄)
@@ -8,27 +8,27 @@
 //! F ∈ level·Sgn(w⁺) + b w⁺     Sgn(0) = [−static_n, static_p]
 //! ```
 //!
-//! With c = KT/4 + B/2 that is one line, D w⁺ + F = S, where D = M/T + c and S = (M/T − c) w + K (x − p) + B v. F grows
-//! with w⁺, so there is exactly one solution, and it is closed: S beyond what holds slides, w⁺ = (S ∓ level)/(D + b),
-//! and everything else is rest, w⁺ = 0 and F = S. What holds is the static level for a block at rest or about to turn
-//! back, the dynamic one for a block that slides on.
+//! With c = KT/4 + B/2 this becomes D w⁺ + F = S, where D = M/T + c and S = (M/T − c) w + K (x − p) + B v. F grows with w⁺,
+//! so there is exactly one solution, in closed form: beyond the holding level the block slides with w⁺ = (S ∓ level)/(D + b);
+//! otherwise it rests, w⁺ = 0 and F = S. The holding level is static for a block at rest or about to reverse, dynamic for
+//! one that slides on.
 //!
-//! * A block at rest *is* at rest: p does not change, no creep, and the hand feels K (x − p) + B v and nothing else.
-//! * At rest the hand does not feel the counts of the encoder either (dither.rs).
-//! * No dead band, and no zero-crossing limit cycle: to throw a block from +a to −a every period, S would have to be
-//!   beyond both levels with (M/T − c) a of either sign added, which needs M/T < c. That is KT² + 2BT > 4M, where the
-//!   coupling itself is unstable (eq. 4.35 singular). Inside, Δv is not used.
-//! * The coupling is integrated by its midpoint: to second order, neither fed nor damped by the step. The block's
-//!   swing during a slip is then that of the continuous model (to (ωT)²/12), and with it the frequency of stick-slip.
-//!   Backward Euler, D = M/T + KT + B, would damp it by ωT/2; it takes eight parts of a period to come as close, so
-//!   the period is not cut into parts (tests/stick_slip.rs measures both).
-//! * The same F_c acts on block and handle. In a period in which it stops, the block goes only as far as it does until
-//!   then, so friction takes F·w̄ ≥ 0 in every period but one in which the block turns.
+//! * A block at rest stays at rest: p is constant, there is no creep, and the hand feels exactly K (x − p) + B v.
+//! * At rest the hand does not feel the counts of the encoder (dither.rs).
+//! * There is no dead band and no zero-crossing limit cycle. To throw a block from +a to −a every period, S would have to
+//!   exceed both levels with (M/T − c) a of either sign added, which requires M/T < c. That is KT² + 2BT > 4M, where the
+//!   coupling itself is unstable (the singularity of [thesis, eq. 4.35]). Δv is not used.
+//! * The coupling is integrated at its midpoint: to second order the step neither adds nor removes energy. The swing of the
+//!   block during a slip, and the frequency of stick-slip, match the continuous model to (ωT)²/12. Backward Euler,
+//!   D = M/T + KT + B, would damp the swing by ωT/2 and needs eight sub-steps for the same accuracy (tests/stick_slip.rs
+//!   measures both).
+//! * The same F_c acts on block and handle. In the period of a stop the block moves only until it stops, so friction
+//!   dissipates F·w̄ ≥ 0 in every period except one in which the block reverses.
 //!
-//! How other laws and effects compose: Karnopp and Coulomb are both levels and slopes here and render the same. A law
-//! with bristles (Dahl, LuGre) has no set-valued part to solve for and is stepped as under the virtual coupling. Effects
-//! that oppose motion ([`opposes_motion`])
-//! are added to the levels, so that they stop the block, too, and never push it; all others act on it from outside.
+//! Other laws and effects: Karnopp and Coulomb are both levels and slopes here and render the same. A law with bristles (Dahl,
+//! LuGre) has no set-valued part and is stepped as under the virtual coupling. Effects that oppose motion
+//! ([`opposes_motion`]) are added to the levels, so that they also stop the block and never push it. All others act as
+//! external forces.
 //!
 //! [`opposes_motion`]: friction::effects::EffectKind::opposes_motion
 
@@ -37,7 +37,7 @@ use super::{Handle, Rendered};
 use crate::Config;
 use friction::{Law, Motion};
 
-/// Dry friction in one direction of motion, and its slope.
+/// Dry friction and its slope in one direction of motion.
 #[derive(Clone, Copy)]
 struct Level {
     hold: f32,
@@ -46,17 +46,17 @@ struct Level {
 }
 
 impl Level {
-    /// Velocity in this direction and friction of a block that `drive` takes beyond what holds.
+    /// Velocity and friction, in this direction, of a block that `drive` moves beyond the holding level.
     #[inline(always)]
     fn slides(&self, drive: f32, inertia: f32) -> (f32, f32) {
         let speed = (drive - self.slide) / (inertia + self.viscous);
         let friction = self.slide + self.viscous * speed;
-        // a falling slope never turns friction into drive
+        // a falling slope never makes friction drive
         if friction >= 0.0 && speed > 0.0 { (speed, friction) } else { (drive / inertia, 0.0) }
     }
 }
 
-/// The end of a step.
+/// Solution of a step.
 #[derive(Clone, Copy)]
 struct Solved {
     velocity: f32,
@@ -73,7 +73,7 @@ struct Levels {
 }
 
 impl Levels {
-    /// Of a law that holds; `None` for one with bristles.
+    /// Levels of a law that holds. `None` for a law with bristles.
     #[inline(always)]
     fn of(law: &Law<f32>) -> Option<Self> {
         match law {
@@ -89,7 +89,7 @@ impl Levels {
         }
     }
 
-    /// More (or less) friction in the direction in which the block moves or is drawn.
+    /// Adds friction in the direction in which the block moves or is pulled.
     fn add(&mut self, friction: f32, direction: f32) {
         let (level, more) = if direction < 0.0 { (&mut self.n, -friction) } else { (&mut self.p, friction) };
         for side in [&mut level.hold, &mut level.slide] {
@@ -98,10 +98,10 @@ impl Levels {
         }
     }
 
-    /// Solves inertia·w⁺ + F = drive for a block that had the velocity w.
+    /// Solves inertia·w⁺ + F = drive for a block with the velocity w.
     #[inline(always)]
     fn solve(&self, drive: f32, inertia: f32, w: f32) -> Solved {
-        // a sliding block has no static friction ahead of it, only across a reversal
+        // a sliding block meets static friction only across a reversal
         let hold_p = if w > 0.0 { self.p.slide } else { self.p.hold };
         let hold_n = if w < 0.0 { self.n.slide } else { self.n.hold };
         if drive > hold_p {
@@ -111,10 +111,10 @@ impl Levels {
             let (speed, friction) = self.n.slides(-drive, inertia);
             Solved { velocity: -speed, friction: -friction, mean: 0.5 * (w - speed) }
         } else {
-            // it stops on the way: where a constant force takes it through zero
+            // it stops within the period: where a constant force brings it to zero
             let through = (if w > 0.0 { drive - self.p.slide } else { drive + self.n.slide }) / inertia;
             let mean = if w == 0.0 { 0.0 } else { 0.5 * w * w / (w - through) };
-            // NaN ends here: the force tells of it, the block stays where it is
+            // NaN ends here: the force shows it, the block stays in place
             Solved { velocity: 0.0, friction: drive, mean }
         }
     }
@@ -157,21 +157,21 @@ impl Block {
         if opposing != 0.0 {
             levels.add(opposing, if w == 0.0 { coupling_now - outside } else { w });
         }
-        // inertia·w⁺ + F = drive, either with the coupling in it or with its force at the limit
+        // inertia·w⁺ + F = drive, with the coupling or with its force at the limit
         let solve = |drive: f32, inertia: f32| levels.solve(drive - outside, inertia, w);
         let mass = config.mass_per_period;
         let mut end = solve((mass - half) * w + pull, mass + half);
         let mut coupling = pull - half * (w + end.velocity);
         let possible = limited(coupling, limit);
         if coupling != possible {
-            // what the actuator cannot give the block does not get, either
+            // the block gets no more force than the actuator can give
             coupling = possible;
             end = solve(mass * w + possible, mass);
         }
         self.displacement = period * end.mean;
         let before = self.position;
         self.position += self.displacement;
-        // dying out, and too slow for the position to notice: at rest, or it would slide for ever
+        // decaying, and too slow to change the position: at rest, or it would slide forever
         let faded = self.position == before && end.velocity.abs() <= w.abs();
         self.velocity = if faded { 0.0 } else { end.velocity };
         Rendered {

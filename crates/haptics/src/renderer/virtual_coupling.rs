@@ -1,22 +1,24 @@
-//! A virtual block of mass M rubs on the surface; spring K and damper B tie it to the handle (eq. 4.22-4.24).
+//! Virtual-coupling renderer: a virtual block of mass M slides on the surface, tied to the handle by spring K and damper B
+//! [thesis, eq. 4.22 to 4.24].
 //!
-//! Per period, semi-implicitly: the coupling's force from handle and block as they are now (4.24), friction from the
-//! block's velocity and that force, then a = (F_vc − F_f)/M (4.22), v, and p by the *new* v (4.23). The same F_vc acts
-//! on the block and, reversed, on the handle over the coming period, so the coupling itself makes no energy. Clamping
-//! it to what the actuator can give keeps that true when the handle is pulled away hard.
+//! Each period, semi-implicitly: the coupling force from handle and block, friction from the velocity of the block and that
+//! force, then a = (F_vc − F_f)/M, v, and p with the *new* v. The same F_vc acts on the block and, reversed, on the handle, so
+//! the coupling adds no energy; clamping it to the limit of the actuator keeps that true under a hard pull.
 //!
-//! A block that friction stops is at rest *exactly*: v = 0, no creep, no chatter, silence in the hand.
+//! A block that friction stops is *exactly* at rest: v = 0, no creep, no chatter.
 
 use super::block::{Block, limited};
 use super::{Handle, Rendered};
 use crate::Config;
 use friction::{FrictionLaw, Law, Motion};
 
-/// Rounding of the forces that add up to a stop, relative to them.
+/// Relative rounding error of the forces that stop a block.
 const ROUNDING: f32 = 1e-5;
 
 impl Block {
-    /// One period by eq. 4.22-4.24.
+    /// One period by [thesis, eq. 4.22 to 4.24].
+    // inline: a function of its own saves the registers of the step again
+    #[inline(always)]
     pub(super) fn step_virtual_coupling(&mut self, config: &Config, handle: &Handle) -> Rendered {
         let limit = config.device.force_max;
         let stretched = config.stiffness * (handle.position - self.position)
@@ -49,7 +51,7 @@ impl Block {
         self.position += self.displacement;
         let stuck = match config.law {
             Law::Karnopp(_) | Law::Coulomb(_) => rests,
-            // bristles hold without ever being quite at rest
+            // a block held by bristles is never exactly at rest
             Law::Dahl(_) | Law::LuGre(_) => self.velocity.abs() < config.dv,
         };
         Rendered {
@@ -62,8 +64,8 @@ impl Block {
     }
 }
 
-/// The friction force brings the block to rest within this period: it is the stopping force, to rounding; or, with
-/// Karnopp inside his dead band, it balances what is applied, which is his definition of rest.
+/// Whether friction brings the block to rest within this period: it equals the stopping force up to rounding or, with Karnopp
+/// inside the dead band, balances the applied force.
 fn stops(config: &Config, applied: f32, velocity: f32, friction: f32) -> bool {
     let momentum = velocity * config.mass_per_period;
     let rounding = ROUNDING * (applied.abs() + momentum.abs());

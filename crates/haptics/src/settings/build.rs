@@ -1,14 +1,14 @@
-//! Settings into what the loop runs.
+//! Builds the configuration of the loop from settings.
 
 use super::{LawKind, Settings};
 use crate::{Config, Device, Refused};
 use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
 
 impl Settings {
-    /// Validates, then builds what the loop runs. A warning does not stop it: [`Settings::validate`] tells of those.
+    /// Validates, then builds the configuration. Warnings are ignored; see [`Settings::validate`].
     ///
     /// # Errors
-    /// [`Refused`]: the first parameter that must not run, with the number that would be accepted.
+    /// [`Refused`]: the first refused parameter, with the number that would be accepted.
     pub fn build(&self, device: &Device) -> Result<Config, Refused> {
         self.validate(device)?;
         Ok(Config::new(self, device))

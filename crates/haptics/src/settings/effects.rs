@@ -3,10 +3,9 @@
 use super::parameters::SetWhy;
 use super::{Settings, Value};
 use crate::number;
-use friction::Scalar;
 use friction::effects::{Effect, EffectKind};
 
-/// Where a parameter of an effect lives: in its gains or in its shape.
+/// Index of a parameter in the gains or in the shape of an effect.
 enum Slot {
     Gain(usize),
     Shape(usize),
@@ -17,14 +16,26 @@ fn slot(kind: EffectKind, parameter: &str) -> Option<Slot> {
     gain.or_else(|| kind.shape().iter().position(|p| p.name == parameter).map(Slot::Shape))
 }
 
-/// The effect with no force and the middle of its shape's range: geometric where that spans decades.
-fn silent(kind: EffectKind) -> Effect<f32> {
-    let mut effect = Effect { kind, gains: [0.0; friction::effects::MAX_GAINS], shape: Default::default() };
-    for (value, parameter) in effect.shape.iter_mut().zip(kind.shape()) {
-        let (min, max) = (parameter.min as f32, parameter.max as f32);
-        *value = if min > 0.0 { Scalar::sqrt(min * max) } else { 0.5 * (min + max) };
+/// Cycles that an effect adds to a control step on the NUCLEO-G474RE at worst, rounded up. `tests/elf/cycles.rs` measures
+/// them; an effect that is not listed counts as the most expensive one.
+#[must_use]
+pub fn effect_cycles(kind: EffectKind) -> u32 {
+    match kind {
+        EffectKind::Spring => 80,
+        EffectKind::Offset => 90,
+        EffectKind::NonlinearSpring | EffectKind::HardStop | EffectKind::QuadraticDrag => 120,
+        EffectKind::LoadDependentFriction => 130,
+        EffectKind::PositionDependentFriction => 160,
+        EffectKind::FrictionDrift | EffectKind::Presliding => 240,
+        EffectKind::Gravity => 260,
+        EffectKind::TorqueRipple => 290,
+        EffectKind::PeriodicFriction => 310,
+        EffectKind::Cogging => 330,
+        EffectKind::RisingStaticFriction => 350,
+        EffectKind::FrictionalLag => 530,
+        EffectKind::Stribeck | EffectKind::SublinearViscous => 590,
+        _ => 800,
     }
-    effect
 }
 
 impl Settings {
@@ -59,7 +70,7 @@ impl Settings {
         let held = self.effects.iter().position(|place| place.is_some_and(|effect| effect.kind == kind));
         let at = held.or_else(|| self.effects.iter().position(Option::is_none)).ok_or(SetWhy::EffectsFull)?;
         let place = self.effects.get_mut(at).ok_or(SetWhy::EffectsFull)?;
-        let effect = place.get_or_insert_with(|| silent(kind));
+        let effect = place.get_or_insert_with(|| Effect::silent(kind));
         let value = match slot {
             Slot::Gain(at) => effect.gains.get_mut(at),
             Slot::Shape(at) => effect.shape.get_mut(at),

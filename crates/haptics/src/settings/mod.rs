@@ -1,26 +1,26 @@
-//! What people set: one flat set of parameters in SI, validated against the device and built into a
-//! [`Config`](crate::Config).
+//! Settings: one flat set of parameters in SI, validated against the device and built into a [`Config`](crate::Config).
 
 mod build;
 mod effects;
 mod parameters;
 mod validate;
 
+pub use effects::effect_cycles;
 pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, Value};
 
 use friction::effects::Effect;
 use serde::{Deserialize, Serialize};
 
-/// Effects a preset may add to its law.
+/// Largest number of effects of a preset.
 pub const MAX_EFFECTS: usize = 4;
 
-/// Which friction law the contact follows.
+/// Friction law of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum LawKind {
-    /// Modified Karnopp, eq. 3.1.
+    /// Modified Karnopp, [thesis, eq. 3.1].
     #[default]
     Karnopp,
-    /// Modified Dahl, eq. 3.2, 3.3.
+    /// Modified Dahl, [thesis, eq. 3.2, 3.3].
     Dahl,
     /// Coulomb as a stopping force.
     Coulomb,
@@ -29,7 +29,7 @@ pub enum LawKind {
 }
 
 impl LawKind {
-    /// All of them.
+    /// All variants.
     pub const ALL: &'static [Self] = &[Self::Karnopp, Self::Dahl, Self::Coulomb, Self::LuGre];
 
     /// Name as typed.
@@ -43,33 +43,33 @@ impl LawKind {
         }
     }
 
-    /// The law of this name.
+    /// The law with this name.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|law| law.id() == id)
     }
 }
 
-/// What carries the friction.
+/// Renderer of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum RendererKind {
-    /// The handle itself rubs: table 4-1. `k_vc` is its K_p.
+    /// Friction on the handle itself [thesis, table 4-1]. `k_vc` is its K_p.
     Impedance,
-    /// A virtual block of `mass` rubs, behind a spring `k_vc` and a damper `b_vc`: eq. 4.22-4.24.
+    /// Friction on a virtual block of `mass` behind a spring `k_vc` and a damper `b_vc` [thesis, eq. 4.22 to 4.24].
     #[default]
     VirtualCoupling,
-    /// The same block, its friction a stopping force solved within the step: sticks exactly, needs no `dv`.
+    /// The same block with friction as a stopping force, solved within the step: sticks exactly, needs no `dv`.
     StoppingForce,
 }
 
 impl RendererKind {
-    /// A virtual block rubs, not the handle itself.
+    /// Whether friction acts on a virtual block.
     #[must_use]
     pub const fn has_block(self) -> bool {
         !matches!(self, Self::Impedance)
     }
 
-    /// All of them.
+    /// All variants.
     pub const ALL: &'static [Self] = &[Self::Impedance, Self::VirtualCoupling, Self::StoppingForce];
 
     /// Name as typed.
@@ -82,42 +82,42 @@ impl RendererKind {
         }
     }
 
-    /// The renderer of this name.
+    /// The renderer with this name.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|renderer| renderer.id() == id)
     }
 }
 
-/// A preset: everything that can be felt. All levels are magnitudes.
+/// A preset: all parameters of the rendered contact. Levels are magnitudes.
 ///
-/// Saved presets are these fields in this order: what is changed here needs a new format number in
-/// `link::PresetStore`, whose test `the_format_of_a_saved_preset_is_what_devices_hold` tells.
+/// A saved preset is these fields in this order. A change needs a new format number in `link::PresetStore`; its test
+/// `the_format_of_a_saved_preset_is_what_devices_hold` fails otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// The law.
     pub law: LawKind,
-    /// What carries it.
+    /// The renderer.
     pub renderer: RendererKind,
     /// Static friction against positive motion, N.
     pub f_static_p: f32,
     /// Static friction against negative motion, N.
     pub f_static_n: f32,
-    /// Dynamic friction against positive motion, N; the limit force of Dahl.
+    /// Dynamic friction against positive motion, N. The limit force of Dahl.
     pub f_dynamic_p: f32,
     /// Dynamic friction against negative motion, N.
     pub f_dynamic_n: f32,
-    /// Viscous damping against positive motion, N·s/m; may be negative while the whole stays dissipative.
+    /// Viscous damping against positive motion, N·s/m. May be negative as long as total friction is dissipative.
     pub damping_p: f32,
     /// Viscous damping against negative motion, N·s/m.
     pub damping_n: f32,
-    /// Δv: speed below which Karnopp's law takes the velocity for zero, m/s.
+    /// Δv, half-width of the stuck velocity band of Karnopp's law, m/s.
     pub dv: f32,
     /// Mass of the virtual block, kg.
     pub mass: f32,
-    /// Stiffness of the virtual coupling, N/m; K_p of the impedance renderer.
+    /// Stiffness of the virtual coupling, N/m. K_p of the impedance renderer.
     pub k_vc: f32,
-    /// Damping of the virtual coupling, N·s/m; of the stuck spring with the impedance renderer.
+    /// Damping of the virtual coupling, N·s/m. With the impedance renderer, of the stuck spring.
     pub b_vc: f32,
     /// Bristle stiffness σ₀ of Dahl and LuGre, N/m.
     pub sigma: f32,

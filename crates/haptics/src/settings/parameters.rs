@@ -1,18 +1,31 @@
-//! Parameters by name, as a console and a file know them.
+//! Parameters by name, for console and files.
 
 use super::{LawKind, RendererKind, Settings};
 use crate::number::{self, Text};
 use core::fmt;
+use friction::{Dimension, Geometry, Unit};
 
-/// One parameter as `help` shows it.
+/// Description of a parameter, as in `help`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parameter {
     /// Name as typed.
     pub name: &'static str,
-    /// SI unit, `-` for none.
-    pub unit: &'static str,
+    /// Dimension of a number. None for a choice.
+    pub dimension: Option<Dimension>,
     /// One line.
     pub what: &'static str,
+}
+
+impl Parameter {
+    const fn number(name: &'static str, dimension: Dimension, what: &'static str) -> Self {
+        Self { name, dimension: Some(dimension), what }
+    }
+
+    /// Its SI unit on the slide that the device is.
+    #[must_use]
+    pub fn unit(&self) -> Option<Unit> {
+        self.dimension.map(|dimension| dimension.unit(Geometry::Linear))
+    }
 }
 
 /// A parameter's value.
@@ -20,9 +33,9 @@ pub struct Parameter {
 pub enum Value {
     /// A number in the parameter's unit.
     Number(f32),
-    /// Both directions of an alias whose directions differ.
+    /// Both values of an alias whose directions differ.
     Pair(f32, f32),
-    /// A choice.
+    /// A name from a list.
     Word(&'static str),
 }
 
@@ -36,33 +49,33 @@ impl fmt::Display for Value {
     }
 }
 
-/// A `set` that could not be understood; nothing has changed.
+/// A rejected `set`. Nothing has changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SetError<'a> {
-    /// Name that was given.
+    /// Given name.
     pub name: &'a str,
-    /// Value that was given.
+    /// Given value.
     pub value: &'a str,
-    /// What is wrong with it.
+    /// Reason.
     pub why: SetWhy,
 }
 
-/// What is wrong with a `set`.
+/// Reason why a `set` was rejected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SetWhy {
-    /// No such parameter.
+    /// Unknown parameter.
     UnknownParameter,
     /// Not a finite number.
     NotANumber,
-    /// None of the words accepted here.
+    /// A word that is not accepted, with those that are.
     NotOneOf(&'static str),
-    /// The effect exists, but not this parameter; the names it has follow.
+    /// Unknown parameter of a known effect.
     UnknownOfEffect(
         &'static str,
         &'static [friction::effects::Parameter],
         &'static [friction::effects::Parameter],
     ),
-    /// All places for effects are taken.
+    /// All places for effects are in use.
     EffectsFull,
 }
 
@@ -70,15 +83,15 @@ impl fmt::Display for SetError<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, value, .. } = self;
         match self.why {
-            SetWhy::UnknownParameter => write!(f, "no parameter `{name}`; `help` lists them"),
-            SetWhy::NotANumber => write!(f, "{name} = `{value}`: accepted is a finite number"),
-            SetWhy::NotOneOf(words) => write!(f, "{name} = `{value}`: accepted are {words}"),
+            SetWhy::UnknownParameter => write!(f, "unknown parameter `{name}`; `help` lists all"),
+            SetWhy::NotANumber => write!(f, "{name} = `{value}`: expected a finite number"),
+            SetWhy::NotOneOf(words) => write!(f, "{name} = `{value}`: expected one of {words}"),
             SetWhy::UnknownOfEffect(effect, gains, shape) => {
-                write!(f, "no parameter `{name}`; {effect} has")?;
+                write!(f, "unknown parameter `{name}`; {effect} has")?;
                 gains.iter().chain(shape).try_for_each(|p| write!(f, " {}", p.name))
             }
             SetWhy::EffectsFull => {
-                write!(f, "{name}: {} effects at most; `set EFFECT off` frees a place", super::MAX_EFFECTS)
+                write!(f, "{name}: at most {} effects; `set EFFECT off` frees a place", super::MAX_EFFECTS)
             }
         }
     }
@@ -86,16 +99,16 @@ impl fmt::Display for SetError<'_> {
 
 impl core::error::Error for SetError<'_> {}
 
-/// What the table says of one number: how to read it and where it lives.
+/// Entry of the table: description and field of a number.
 type Place = fn(&mut Settings) -> &mut f32;
 
 macro_rules! table {
-    ($($name:literal, $unit:literal, $field:ident, $what:literal;)*) => {
-        /// Every parameter that is stored, in the order people expect.
+    ($($name:literal, $dimension:ident, $field:ident, $what:literal;)*) => {
+        /// Every stored parameter, in the order for users.
         pub const PARAMETERS: &[Parameter] = &[
-            Parameter { name: "law", unit: "-", what: "friction law: karnopp, dahl, coulomb or lugre" },
-            Parameter { name: "renderer", unit: "-", what: "what rubs: virtual_coupling or stopping_force (a block), impedance (the handle)" },
-            $(Parameter { name: $name, unit: $unit, what: $what },)*
+            Parameter { name: "law", dimension: None, what: "friction law: karnopp, dahl, coulomb or lugre" },
+            Parameter { name: "renderer", dimension: None, what: "friction on a block: virtual_coupling or stopping_force; on the handle: impedance" },
+            $(Parameter::number($name, Dimension::$dimension, $what),)*
         ];
 
         fn place(name: &str) -> Option<Place> {
@@ -108,29 +121,29 @@ macro_rules! table {
 }
 
 table! {
-    "f_static_p", "N", f_static_p, "static friction against positive motion";
-    "f_static_n", "N", f_static_n, "static friction against negative motion";
-    "f_dynamic_p", "N", f_dynamic_p, "dynamic friction against positive motion (Dahl: limit)";
-    "f_dynamic_n", "N", f_dynamic_n, "dynamic friction against negative motion (Dahl: limit)";
-    "damping_p", "N·s/m", damping_p, "viscous damping against positive motion";
-    "damping_n", "N·s/m", damping_n, "viscous damping against negative motion";
-    "dv", "m/s", dv, "speed taken for zero (karnopp)";
-    "mass", "kg", mass, "mass of the virtual block";
-    "k_vc", "N/m", k_vc, "stiffness of the virtual coupling (impedance: K_p)";
-    "b_vc", "N·s/m", b_vc, "damping of the virtual coupling (impedance: of the stuck spring)";
-    "sigma", "N/m", sigma, "bristle stiffness (dahl, lugre)";
-    "sigma_1", "N·s/m", sigma_1, "bristle damping (lugre)";
-    "stribeck_velocity", "m/s", stribeck_velocity, "speed over which static friction falls to dynamic (lugre)";
+    "f_static_p", FORCE, f_static_p, "static friction against positive motion";
+    "f_static_n", FORCE, f_static_n, "static friction against negative motion";
+    "f_dynamic_p", FORCE, f_dynamic_p, "dynamic friction against positive motion (Dahl: limit)";
+    "f_dynamic_n", FORCE, f_dynamic_n, "dynamic friction against negative motion (Dahl: limit)";
+    "damping_p", DAMPING, damping_p, "viscous damping against positive motion";
+    "damping_n", DAMPING, damping_n, "viscous damping against negative motion";
+    "dv", VELOCITY, dv, "speed treated as zero (karnopp)";
+    "mass", MASS, mass, "mass of the virtual block";
+    "k_vc", STIFFNESS, k_vc, "stiffness of the virtual coupling (impedance: K_p)";
+    "b_vc", DAMPING, b_vc, "damping of the virtual coupling (impedance: of the stuck spring)";
+    "sigma", STIFFNESS, sigma, "bristle stiffness (dahl, lugre)";
+    "sigma_1", DAMPING, sigma_1, "bristle damping (lugre)";
+    "stribeck_velocity", VELOCITY, stribeck_velocity, "speed at which static friction falls to dynamic (lugre)";
 }
 
-/// Names that stand for both directions.
+/// Aliases for both directions.
 pub const ALIASES: &[Parameter] = &[
-    Parameter { name: "f_static", unit: "N", what: "static friction, both directions" },
-    Parameter { name: "f_dynamic", unit: "N", what: "dynamic friction, both directions" },
-    Parameter { name: "damping", unit: "N·s/m", what: "viscous damping, both directions" },
+    Parameter::number("f_static", Dimension::FORCE, "static friction, both directions"),
+    Parameter::number("f_dynamic", Dimension::FORCE, "dynamic friction, both directions"),
+    Parameter::number("damping", Dimension::DAMPING, "viscous damping, both directions"),
 ];
 
-/// The two names an alias stands for.
+/// The two parameters of an alias.
 fn directions(name: &str) -> Option<(&'static str, &'static str)> {
     match name {
         "f_static" => Some(("f_static_p", "f_static_n")),
@@ -141,10 +154,10 @@ fn directions(name: &str) -> Option<(&'static str, &'static str)> {
 }
 
 impl Settings {
-    /// Every parameter that is stored; effects come besides, as `EFFECT.PARAMETER`.
+    /// Every stored parameter. Effects have theirs as `EFFECT.PARAMETER`.
     pub const PARAMETERS: &'static [Parameter] = PARAMETERS;
 
-    /// The value of a parameter, an alias or an effect's parameter (`stribeck.force_p`).
+    /// Value of a parameter, an alias, or a parameter of an effect (`stribeck.force_p`).
     #[must_use]
     pub fn get(&self, name: &str) -> Option<Value> {
         let mut copy = *self;
@@ -164,12 +177,12 @@ impl Settings {
         }
     }
 
-    /// Sets a parameter from text. It is only understood here; whether it may run, [`Settings::validate`] says.
+    /// Sets a parameter from text. [`Settings::validate`] decides whether the result may run.
     ///
-    /// `EFFECT.PARAMETER` adds the effect if it is not there; `EFFECT off` takes it out.
+    /// `EFFECT.PARAMETER` adds the effect if needed; `EFFECT off` removes it.
     ///
     /// # Errors
-    /// [`SetError`], one line with what would be accepted; nothing has changed then.
+    /// [`SetError`]: one line that says what would be accepted. Nothing has changed.
     pub fn set<'a>(&mut self, name: &'a str, value: &'a str) -> Result<(), SetError<'a>> {
         let fail = |why| SetError { name, value, why };
         match name {
@@ -198,7 +211,7 @@ impl Settings {
     }
 }
 
-/// The stored name equal to what was typed, or nothing that is stored.
+/// The stored name equal to the typed one, or an empty name.
 fn name_of(name: &str) -> &'static str {
     PARAMETERS.iter().map(|p| p.name).find(|known| *known == name).unwrap_or("")
 }

@@ -1,26 +1,26 @@
-//! Validation that knows the physics: what is unsafe is refused with the number that would be accepted, what is merely
-//! unfaithful is taken with a warning.
+//! Validation with physics: an unsafe value is refused with the number that would be accepted, an unfaithful one is accepted
+//! with a warning.
 
-use super::{LawKind, RendererKind, Settings};
+use super::{LawKind, RendererKind, Settings, effect_cycles};
 use crate::{Accepted, Device, Refused, Warning, bounds, number};
+use friction::Dimension;
 use friction::effects::EffectKind;
 
-/// Heaviest virtual block, kg.
+/// Largest mass of a virtual block, kg.
 const HEAVIEST: f32 = 100.0;
-/// Lightest, kg.
+/// Smallest mass of a virtual block, kg.
 const LIGHTEST: f32 = 1e-3;
-/// A block is this much heavier, and its coupling softer, than where it would begin to oscillate: more than single
-/// precision loses on the way to the bound.
+/// Margin of mass and coupling to the onset of oscillation: more than single precision loses on the way to the bound.
 const HEAVIER: f32 = 1.001;
-/// Smallest speed that may be taken for zero, and Stribeck velocity, m/s.
+/// Smallest `dv` and Stribeck velocity, m/s.
 const SLOWEST: f32 = 1e-6;
-/// Share of a bound on damping that is used. A period of delay halves what the sampled device takes.
+/// Usable share of a bound on damping. A period of delay halves the stable damping of the sampled device.
 const DAMPING_SHARE: f32 = 0.5;
 
-/// A bound that is a round number in what people type is one in spite of rounding.
+/// Tolerance that keeps a bound at a round number in spite of rounding.
 const ROUNDING: f32 = 1e-6;
 
-/// `x` rounded towards zero to four digits: a number one can type, and still within the bound.
+/// `x` rounded towards zero to four digits: easy to type, and within the bound.
 fn at_most(x: f32) -> f32 {
     if x > 0.0 && x.is_finite() { number::four_digits(x * (1.0 + ROUNDING), false) } else { 0.0 }
 }
@@ -34,7 +34,7 @@ fn refuse(parameter: &'static str, value: f32, accepted: Accepted, why: &'static
     Err(Refused { effect: None, parameter, value, accepted, why })
 }
 
-/// Refuses unless `low ≤ value ≤ high`; NaN is never within.
+/// Refuses unless `low ≤ value ≤ high`. NaN is refused.
 fn within(
     parameter: &'static str,
     value: f32,
@@ -50,16 +50,16 @@ fn within(
 }
 
 impl Settings {
-    /// Checks every parameter, alone and together, against the device.
+    /// Checks every parameter against the device, alone and in combination.
     ///
     /// # Errors
-    /// [`Refused`] for what must not run: a number that is none, a force above the actuator's, friction that would
-    /// give energy, a coupling outside its stability bounds.
+    /// [`Refused`] for an unsafe value: NaN, a force above the limit of the actuator, friction that would add energy, a
+    /// coupling outside its stability bounds.
     pub fn validate(&self, device: &Device) -> Result<Option<Warning>, Refused> {
         self.levels(device)?;
-        within("dv", self.dv, SLOWEST, device.overspeed, "m/s; taken for zero below it")?;
+        within("dv", self.dv, SLOWEST, device.overspeed, "m/s; treated as zero below it")?;
         self.coupling(device)?;
-        // the mass before what depends on it: a person who types a mass is told of the mass
+        // the mass first: an error for a typed mass must name the mass
         self.block(device)?;
         self.free_block(device, self.k_vc)?;
         self.bristles(device)?;
@@ -70,23 +70,23 @@ impl Settings {
 
     fn levels(&self, device: &Device) -> Result<(), Refused> {
         let most = device.force_max;
-        let why = "N; the actuator holds no more";
+        let why = "N; limit of the actuator";
         within("f_dynamic_p", self.f_dynamic_p, 0.0, most, why)?;
         within("f_dynamic_n", self.f_dynamic_n, 0.0, most, why)?;
-        let static_why = "N; from dynamic friction to what the actuator holds";
-        // Dahl has one level: its static friction is not used, but must still be a number one could switch to
+        let static_why = "N; from dynamic friction to the limit of the actuator";
+        // Dahl does not use its static friction, but a switch of law must find a valid number
         let dahl = self.law == LawKind::Dahl;
         let low = |dynamic: f32| if dahl { 0.0 } else { dynamic };
         within("f_static_p", self.f_static_p, low(self.f_dynamic_p), most, static_why)?;
         within("f_static_n", self.f_static_n, low(self.f_dynamic_n), most, static_why)
     }
 
-    /// Stiffness, N/m, that the handle takes beside so much damping (eq. 4.18, with B and the delay).
+    /// Largest stable stiffness at this damping, N/m: [thesis, eq. 4.18] with B and the delay.
     fn stiffness_cap(device: &Device, damping: f32) -> f32 {
         bounds::stiffness_max_delayed(device.mass, device.damping, device.period, damping, device.delay)
     }
 
-    /// Most viscous damping, N·s/m, that may be asked for however heavy the block: what the sampled device takes.
+    /// Largest viscous damping for any mass, N·s/m: the stable damping of the sampled device.
     fn damping_cap(device: &Device) -> f32 {
         let (mass, damping, period) = (device.mass, device.damping, device.period);
         DAMPING_SHARE * bounds::damping_max(mass, damping, period)
@@ -100,11 +100,11 @@ impl Settings {
                 cap.min(self.room(device, self.bristle_stiffness()))
             }
         };
-        let why = "N·s/m; below, it would give energy at the largest speed, above, one period overshoots";
+        let why = "N·s/m; below, it would add energy at the largest speed; above, one period overshoots";
         for (name, value, dynamic) in
             [("damping_p", self.damping_p, self.f_dynamic_p), ("damping_n", self.damping_n, self.f_dynamic_n)]
         {
-            // one level of bristle laws may not be lowered by a slope that the law itself does not bound
+            // the single level of a bristle law must not be lowered by a slope that the law does not bound
             let lowest = match self.law {
                 LawKind::Karnopp | LawKind::Coulomb => -at_most(dynamic / device.overspeed),
                 LawKind::Dahl | LawKind::LuGre => 0.0,
@@ -129,37 +129,36 @@ impl Settings {
         }
     }
 
-    /// The handle held by spring and damper (eq. 4.18, extended by B).
+    /// Checks the handle held by spring and damper: [thesis, eq. 4.18] extended by B.
     fn coupling(&self, device: &Device) -> Result<(), Refused> {
         let most = at_most(Self::damping_cap(device));
-        within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, a period of delay lets the handle oscillate")?;
+        within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, the handle oscillates with a period of delay")?;
         let most = at_most(Self::stiffness_cap(device, self.b_vc));
         if self.k_vc > most && (LIGHTEST..=HEAVIEST).contains(&self.mass) {
-            // what is named must be taken when it is asked for
+            // the number in the message must be accepted
             self.free_block(device, most)?;
         }
         within("k_vc", self.k_vc, 1.0, most, "N/m; above, the stuck handle oscillates (eq. 4.18)")
     }
 
-    /// Stiffness of the bristles, N/m; 0 for a law without.
+    /// Stiffness of the bristles, N/m. 0 for a law without bristles.
     fn bristle_stiffness(&self) -> f32 {
         if matches!(self.law, LawKind::Dahl | LawKind::LuGre) { self.sigma } else { 0.0 }
     }
 
-    /// Damping of the bristles, N·s/m; 0 for a law without.
+    /// Damping of the bristles, N·s/m. 0 for a law without bristles.
     fn bristle_damping(&self) -> f32 {
         if self.law == LawKind::LuGre { self.sigma_1 } else { 0.0 }
     }
 
-    /// The coupling acts on the block in the middle of the period: bristles are stepped as under the virtual coupling.
+    /// Whether the coupling acts on the block in the middle of the period. Bristles are stepped as under the virtual coupling.
     fn midpoint(&self) -> bool {
         self.renderer == RendererKind::StoppingForce
             && matches!(self.law, LawKind::Karnopp | LawKind::Coulomb)
     }
 
-    /// The mass that eq. 4.35 sees, kg per kg of block: a handle that is not held still gives way, which makes the
-    /// coupling's damping act as if there were more of it (KT² + 2BT (1 + M/m) < 4M, by the bound on damping with b).
-    /// Not where the coupling acts in the middle of the period.
+    /// Effective mass in [thesis, eq. 4.35] per mass of the block. A free handle yields, which increases the effect of the
+    /// coupling's damping: KT² + 2BT (1 + M/m) < 4M. Does not apply to a coupling in the middle of the period.
     fn share_of_mass(&self, device: &Device) -> f32 {
         if self.midpoint() {
             return 1.0;
@@ -167,8 +166,8 @@ impl Settings {
         1.0 - self.b_vc / bounds::damping_max(device.mass, device.damping, device.period)
     }
 
-    /// Damping, N·s/m, that the block takes beside its coupling and bristles: KT² + 2BT < 4M, where eq. 4.35 is
-    /// singular, with a thousandth to spare.
+    /// Largest stable damping of the block with its coupling and bristles, N·s/m: KT² + 2BT < 4M, the singularity of
+    /// [thesis, eq. 4.35], with a margin of a thousandth.
     fn room(&self, device: &Device, bristles: f32) -> f32 {
         let mass = self.mass / HEAVIER * self.share_of_mass(device);
         bounds::damping_singular(mass, self.k_vc + bristles, device.period)
@@ -179,7 +178,7 @@ impl Settings {
     fn bristles(&self, device: &Device) -> Result<(), Refused> {
         within("stribeck_velocity", self.stribeck_velocity, SLOWEST, device.overspeed, "m/s")?;
         let period = device.period;
-        // laws without bristles do not use these, but a switch of law must not meet nonsense
+        // laws without bristles do not use these, but a switch of law must find valid numbers
         let (mut sigma_most, mut sigma_1_most) = (1e9, 1e6);
         if matches!(self.law, LawKind::Dahl | LawKind::LuGre) {
             let inner = self.bristle_damping();
@@ -187,27 +186,27 @@ impl Settings {
             sigma_most = match self.renderer {
                 RendererKind::Impedance => at_most(Self::stiffness_cap(device, inner)),
                 RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
-                    // what is left when the viscous damping has its share, in N/m
+                    // the rest after the viscous damping, N/m
                     let viscous = self.viscous_within(device);
                     at_most((self.room(device, 0.0) - viscous) * 2.0 / period)
                 }
             };
         }
-        let why = "N·s/m; above, what rubs oscillates";
+        let why = "N·s/m; above, the contact oscillates";
         within("sigma_1", self.sigma_1, 0.0, sigma_1_most, why)?;
-        let why = "N/m; above, what rubs oscillates on its bristles (eq. 4.18, 4.35)";
+        let why = "N/m; above, the contact oscillates on its bristles (eq. 4.18, 4.35)";
         within("sigma", self.sigma, 1.0, sigma_most, why)
     }
 
-    /// The larger viscous damping where it is one that may be asked for, else 0: it is then refused by itself.
+    /// Larger viscous damping if it is in range. Otherwise 0: it is refused by its own check.
     fn viscous_within(&self, device: &Device) -> f32 {
         let cap = Self::damping_cap(device);
         let share = |x: f32| if x <= cap { x.max(0.0) } else { 0.0 };
         share(self.damping_p).max(share(self.damping_n))
     }
 
-    /// The mass, and with the virtual coupling the block between the handle and the surface: KT² + 2BT < 4M, where
-    /// eq. 4.35 is singular. Bristles that no block of 1 kg takes are refused by themselves.
+    /// Checks the mass and, with the virtual coupling, the block between handle and surface: KT² + 2BT < 4M, the singularity of
+    /// [thesis, eq. 4.35]. Bristles that are unstable with a block of 1 kg are refused by their own check.
     fn block(&self, device: &Device) -> Result<(), Refused> {
         let why = "kg; a lighter block oscillates on its coupling (eq. 4.35)";
         let mut lightest = LIGHTEST;
@@ -228,7 +227,7 @@ impl Settings {
         within("mass", self.mass, lightest, HEAVIEST, why)
     }
 
-    /// Handle and block let go together, on a coupling of at most `k_vc` N/m: the whole sampled loop.
+    /// Checks a free handle and block on a coupling of at most `k_vc`, N/m, with the complete sampled loop.
     fn free_block(&self, device: &Device, k_vc: f32) -> Result<(), Refused> {
         if !self.renderer.has_block() {
             return Ok(());
@@ -257,14 +256,29 @@ impl Settings {
                 parameter: invalid.parameter,
                 value: invalid.value as f32,
                 accepted: Accepted::Between(invalid.min as f32, invalid.max as f32),
-                why: "out of its range",
+                why: "outside its range",
             })?;
             self.check_stiffness(effect.kind, &effect.gains, device).map_err(named)?;
+        }
+        let cycles: u32 = self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum();
+        if cycles > device.effect_cycles {
+            return Err(Refused {
+                effect: None,
+                parameter: "cycles of the effects",
+                value: cycles as f32,
+                accepted: Accepted::AtMost(device.effect_cycles as f32),
+                why: "the force of a longer step comes out late; switch an effect `off`",
+            });
         }
         Ok(())
     }
 
-    /// Gains are forces, springs or dampers on whatever rubs; none may be more than that takes.
+    /// Stiffness that grows with deflection, with its square, and damping that grows with speed.
+    const CURVE: Dimension = Dimension::STIFFNESS.per(Dimension::LENGTH);
+    const CUBIC: Dimension = Self::CURVE.per(Dimension::LENGTH);
+    const DRAG: Dimension = Dimension::DAMPING.per(Dimension::VELOCITY);
+
+    /// Checks the gains of effects: as a force, spring or damper none may exceed the stability bounds of the contact.
     fn check_stiffness(
         &self,
         kind: EffectKind,
@@ -286,25 +300,30 @@ impl Settings {
         };
         let reach = device.stroke / 2.0;
         for (gain, parameter) in gains.iter().zip(kind.gains()) {
-            // what the gain is worth as stiffness or damping where that is largest
-            let most = match parameter.unit {
-                "N" => device.force_max,
-                "N/m" => at_most(stiffest),
-                "N/m²" => at_most(stiffest / (2.0 * reach)),
-                "N/m³" => at_most(stiffest / (3.0 * reach * reach)),
-                "N·s/m" => at_most(most_damping),
-                "N·s²/m²" => at_most(most_damping / (2.0 * device.overspeed)),
+            // largest stiffness or damping of the gain
+            let most = match parameter.dimension {
+                Dimension::FORCE => device.force_max,
+                Dimension::STIFFNESS => at_most(stiffest),
+                Self::CURVE => at_most(stiffest / (2.0 * reach)),
+                Self::CUBIC => at_most(stiffest / (3.0 * reach * reach)),
+                Dimension::DAMPING => at_most(most_damping),
+                Self::DRAG => at_most(most_damping / (2.0 * device.overspeed)),
                 _ => continue,
             };
             if !(gain.abs() <= most) {
                 let accepted = Accepted::Between(if parameter.min < 0.0 { -most } else { 0.0 }, most);
-                return refuse(parameter.name, *gain, accepted, "more than the device and the block take");
+                return refuse(
+                    parameter.name,
+                    *gain,
+                    accepted,
+                    "outside the stability bounds of device and block",
+                );
             }
         }
         Ok(())
     }
 
-    /// Δv below the zero-crossing limit cycle: it will chatter instead of stopping (eq. 4.21, 4.35).
+    /// Warns of a Δv below the zero-crossing limit cycle: the block chatters instead of stopping [thesis, eq. 4.21 and 4.35].
     fn unfaithful(&self, device: &Device) -> Option<Warning> {
         if self.law != LawKind::Karnopp {
             return None;

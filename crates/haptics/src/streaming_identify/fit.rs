@@ -1,4 +1,4 @@
-//! Sliding friction and mass from moments: eq. 3.8 with the correction of 3.9, in closed form.
+//! Sliding friction and mass from moments: [thesis, eq. 3.8] with the correction of [thesis, eq. 3.9], in closed form.
 //!
 //! Within a direction the Coulomb level is an intercept, so centred moments leave m, b₊ and b₋; each b meets only m, so
 //! eliminating them leaves one equation for m.
@@ -154,7 +154,7 @@ impl Fit {
         };
         let ((level_p, std_p), (level_n, std_n)) = (level(p, &wp, bp), level(n, &wn, bn));
         let mean_square = p.ff + p.n * p.f * p.f + n.ff + n.n * n.f * n.f;
-        // eq. 3.8 with the accelerometer alone
+        // [thesis, eq. 3.8] with the accelerometer alone
         let alone = |c: &Centred| Way::new(c, accel.acceleration(c, 0.0, 1.0), 0.0);
         let (ap, an) = (alone(p), alone(n));
         Ok(Self {
@@ -167,6 +167,14 @@ impl Fit {
             accelerometer,
             spread: [(p.v, noise / p.n, noise / wp.vv), (n.v, noise / n.n, noise / wn.vv)],
         })
+    }
+
+    /// Friction at a speed in one direction, a magnitude, N.
+    pub fn sliding(&self, way: usize, speed: f32) -> f32 {
+        match (self.coulomb.get(way), self.viscous.get(way)) {
+            (Some(level), Some(b)) => level.value + b.value * speed,
+            _ => 0.0,
+        }
     }
 
     /// Whether a band slides by this law, as far as noise lets one see.

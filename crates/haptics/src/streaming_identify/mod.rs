@@ -1,11 +1,12 @@
-//! The thesis's identification on the device itself, without a PC (ch. 3.5).
+//! The identification of [thesis, ch. 3.5] on the device itself, without a PC.
 //!
 //! While the handle is driven, [`Recorder`] accumulates moments in the control step; no recording is kept.
-//! [`Solver`] makes the parameters of eq. 3.5 of them, least squares (3.8) with the correction for errors in the
-//! regressors (3.9), *outside* the interrupt. Three things the thesis did by hand with a recording are done on the
+//! [`Solver`] makes the parameters of [thesis, eq. 3.5] of them, least squares [thesis, eq. 3.8] with the correction for errors in the
+//! regressors [thesis, eq. 3.9], *outside* the interrupt. Three things that [thesis, ch. 3.5] does by hand with a recording are done on the
 //! moments:
-//! * Δv: they are kept apart by speed, in [`BANDS`] bands. Sliding friction is fitted to the fastest; from there down
-//!   band after band is added until one does not slide as the others do. That is where friction is static;
+//! * which samples slide: they are kept apart by speed, in [`BANDS`] bands. Sliding friction is fitted to the fastest;
+//!   from there down band after band is added until one does not slide as the others do. The samples that leave rest
+//!   then tell Δv and static friction;
 //! * the accelerometer's scale and offset per run (3.5.3) come from its covariance with four-point central differences
 //!   of velocity. Both then measure one acceleration, and the fit takes their mean, weighted by their noise;
 //! * velocity is an average over the last period, so the mean of two neighbours is taken for the velocity at the
@@ -16,6 +17,7 @@
 //! Moments are integers: exact, in any order, one instruction each in the interrupt, and centred without
 //! cancellation, so that the solution needs no more than `f32`.
 
+mod break_away;
 mod fit;
 mod moments;
 mod recorder;

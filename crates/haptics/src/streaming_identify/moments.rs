@@ -146,17 +146,25 @@ impl Moments {
         }
     }
 
-    /// How many samples left rest, their mean load (N) and mean accelerometer reading (m/s²).
-    pub(super) fn departures(&self, units: &Units) -> (u32, f32, f32) {
+    /// The samples that left rest.
+    pub(super) fn departures(&self, units: &Units) -> Departures {
         let sums = &self.0;
         let count = sums[LEAVING].max(1) as f32;
         let mean = |sum: usize, unit: f32| sums[sum] as f32 / count * unit;
-        (
-            sums[LEAVING] as u32,
-            mean(LEAVING_F, units.f) + units.f_middle,
-            mean(LEAVING_R, units.r) + units.r_middle,
-        )
+        Departures {
+            count: sums[LEAVING] as u32,
+            load: mean(LEAVING_F, units.f) + units.f_middle,
+            reading: mean(LEAVING_R, units.r) + units.r_middle,
+        }
     }
+}
+
+/// Samples that left rest: how many, their mean load (N) and mean accelerometer reading (m/s²).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Departures {
+    pub count: u32,
+    pub load: f32,
+    pub reading: f32,
 }
 
 /// SI of one step of each quantity.

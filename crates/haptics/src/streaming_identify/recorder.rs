@@ -8,7 +8,10 @@ pub const BANDS: usize = 12;
 /// Share of the top speed in which Δv is looked for.
 const SLOW: f32 = 0.3;
 
-/// The identification procedure (ch. 3.5.2, 3.5.3). `default()` is the thesis's.
+/// Speed beyond which the handle is surely not at rest, as a share of a band.
+pub(super) const MOVING: f32 = 0.25;
+
+/// The identification procedure. `default()` is that of [thesis, ch. 3.5.2, 3.5.3].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Procedure {
     /// Shape of the motion.
@@ -150,7 +153,7 @@ impl Recorder {
         self.begin = (procedure.warm_up_s * rate) as u32;
         self.end = self.begin.saturating_add((procedure.record_s * rate) as u32);
         self.per_step = (4_294_967_296.0 / width) as u32;
-        self.moving = (0.25 * width) as i32;
+        self.moving = (MOVING * width) as i32;
         self.gaining = (0.25 * width) as i32;
         self.cleared = 0;
         self.filled = 0;

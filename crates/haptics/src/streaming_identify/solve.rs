@@ -1,7 +1,8 @@
 //! From moments to parameters. Runs in a task, not in the interrupt; `f32`, in closed form.
 
+use super::break_away::{BreakAway, UNIFORM};
 use super::fit::{Accelerometer, Fit};
-use super::moments::{Moments, Units};
+use super::moments::{Departures, Moments, Units};
 use super::recorder::{BANDS, Number, Procedure};
 use crate::number::Text;
 use crate::{Device, LawKind, Settings};
@@ -36,7 +37,7 @@ pub struct Identified {
     pub static_n: Option<Estimate>,
     /// Δv, m/s.
     pub delta_v: Estimate,
-    /// Mass by plain least squares on the accelerometer (eq. 3.8), kg: what its noise would have made of it.
+    /// Mass by plain least squares on the accelerometer [thesis, eq. 3.8], kg: what its noise would have made of it.
     pub mass_least_squares: f32,
     /// True acceleration over accelerometer reading.
     pub accel_scale: f32,
@@ -106,8 +107,8 @@ pub struct Solver {
     used: [Moments; 2],
     /// A band that slides, not used yet: the one above the edge is not, its differences of velocity reach below.
     held: Option<[Moments; 2]>,
-    /// Bands below the edge, for what the handle does when it leaves rest.
-    slow: [Moments; 2],
+    /// Samples that leave rest, of each band.
+    departures: [[Departures; 2]; BANDS],
     set_aside: u32,
     edge: Option<u8>,
 }
@@ -125,7 +126,7 @@ impl Solver {
             coming: Default::default(),
             used: Default::default(),
             held: None,
-            slow: Default::default(),
+            departures: Default::default(),
             set_aside: 0,
             edge: None,
         }
@@ -135,7 +136,7 @@ impl Solver {
     pub fn take(&mut self, number: &Number) -> Option<Result<Identified, Unidentified>> {
         let (band, begins, ends) = number.band();
         if begins && band == BANDS - 1 {
-            (self.used, self.slow, self.held) = Default::default();
+            (self.used, self.departures, self.held) = Default::default();
             (self.set_aside, self.edge) = (0, None);
         }
         if let Some(sum) = number.place(&mut self.coming) {
@@ -156,6 +157,9 @@ impl Solver {
                 sum.merge(way);
             }
         };
+        if let Some(departures) = self.departures.get_mut(index) {
+            *departures = [ways[0].departures(&self.units), ways[1].departures(&self.units)];
+        }
         if index == BANDS - 1 {
             self.used = ways;
             return;
@@ -168,10 +172,6 @@ impl Solver {
         }
         if self.edge.is_some() {
             self.set_aside += count(&ways);
-            // the edge itself is somewhere in its band, and only what is below it is surely static
-            if !steps || index == 0 {
-                merge(&mut self.slow, &ways);
-            }
         } else if let Some(held) = self.held.replace(ways) {
             merge(&mut self.used, &held);
         }
@@ -193,7 +193,7 @@ impl Solver {
     }
 
     /// Acceleration at the end of a period over that in its middle. The force is held, but damping follows the velocity:
-    /// it takes (b + b_device)·T/2 of what the masses gain. Less than 1 % with the blocks of the thesis, and more than
+    /// it takes (b + b_device)·T/2 of what the masses gain. Less than 1 % with the blocks of [thesis, table 3-3], and more than
     /// the standard deviation of the mass.
     fn late(&self, fit: &Fit) -> f32 {
         let damping = self.damping + 0.5 * (fit.viscous[0].value + fit.viscous[1].value);
@@ -201,27 +201,42 @@ impl Solver {
         Scalar::clamp(late, 0.9, 1.1)
     }
 
-    fn result(&self) -> Result<Identified, Unidentified> {
-        let fit = self.fit()?;
-        let [p, n] = &self.used;
-        let at_rest = |way: usize, sign: f32| {
-            let (count, load, reading) = self.slow.get(way)?.departures(&self.units);
+    /// Where no step of friction is seen: Δv is in the band of the edge, and what leaves rest below it is static.
+    fn below_the_edge(&self, fit: &Fit) -> BreakAway {
+        let edge = usize::from(self.edge.unwrap_or(0));
+        let level = |way: usize, sign: f32| {
+            let (mut count, mut sum) = (0, 0.0);
+            for there in self.departures.iter().take(edge.max(1)).filter_map(|ways| ways.get(way)) {
+                count += there.count;
+                let friction = there.load - fit.mass.value * fit.accelerometer.of(there.reading);
+                sum += there.count as f32 * sign * friction;
+            }
             (count >= 2).then(|| Estimate {
-                value: sign * (load - fit.mass.value * fit.accelerometer.of(reading)),
+                value: sum / count as f32,
                 std: Scalar::sqrt(fit.noise_by_accelerometer / count as f32),
             })
         };
-        let edge = f32::from(self.edge.unwrap_or(0));
+        BreakAway {
+            delta_v: Estimate { value: (edge as f32 + 0.5) * self.width, std: UNIFORM * self.width },
+            levels: [level(0, 1.0), level(1, -1.0)],
+        }
+    }
+
+    fn result(&self) -> Result<Identified, Unidentified> {
+        let fit = self.fit()?;
+        let [p, n] = &self.used;
         let late = self.late(&fit);
+        let break_away = BreakAway::find(&self.departures, &fit, self.width, self.period)
+            .unwrap_or_else(|| self.below_the_edge(&fit));
         Ok(Identified {
             mass: Estimate { value: fit.mass.value / late, std: fit.mass.std / late },
             coulomb_p: fit.coulomb[0],
             viscous_p: fit.viscous[0],
             coulomb_n: fit.coulomb[1],
             viscous_n: fit.viscous[1],
-            static_p: at_rest(0, 1.0),
-            static_n: at_rest(1, -1.0),
-            delta_v: Estimate { value: (edge + 0.5) * self.width, std: self.width * 0.288_675 },
+            static_p: break_away.levels[0],
+            static_n: break_away.levels[1],
+            delta_v: break_away.delta_v,
             mass_least_squares: fit.mass_least_squares / late,
             accel_scale: fit.accelerometer.scale * late,
             accel_offset: fit.accelerometer.offset * late,

@@ -1,5 +1,5 @@
-//! The device of eq. 4.15, exact over a period, with an ideal encoder: just enough to close the loop in a test.
-#![allow(dead_code)] // each test uses its part
+//! A device for tests: the exact solution of [thesis, eq. 4.15] over a period, with an ideal encoder.
+#![allow(dead_code)] // each test uses a part
 
 use haptics::{Control, Device, Inputs, Outputs, Request, Settings};
 
@@ -8,7 +8,7 @@ pub const COUNT: f64 = 2.57e-6;
 pub const T: f64 = 1e-3;
 const PERIOD_TICKS: u64 = 170_000;
 
-/// Mass and damper under a force held over the period.
+/// Mass and damper under a constant force over the period.
 pub struct Rig {
     pub mass: f64,
     pub damping: f64,
@@ -33,7 +33,7 @@ impl Rig {
         Self::new(f64::from(device.mass), f64::from(device.damping), 0.0)
     }
 
-    /// Eq. 4.15 at time t into a period under force f.
+    /// [thesis, eq. 4.15] at time t into a period under force f.
     fn at(&self, f: f64, t: f64) -> (f64, f64) {
         let (b, tau) = (self.damping, self.mass / self.damping);
         let e = (-t / tau).exp();

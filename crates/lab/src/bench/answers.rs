@@ -1,21 +1,21 @@
-//! What the device's lines mean.
+//! Handles the lines that the device sends.
 
 use super::{Bench, WATCH_S};
-use crate::orders::{About, Answer, Heard};
+use crate::orders::{About, Answer, Reply};
 use crate::say::Tone;
 use link::reply;
 
 impl Bench {
     pub(super) fn line(&mut self, line: String) {
-        match self.orders.hear(line) {
-            Heard::Nothing => {}
-            Heard::News(news) => {
+        match self.orders.receive(line) {
+            Reply::Nothing => {}
+            Reply::News(news) => {
                 // the state says faults by itself, in more room
                 if !news.starts_with("fault") {
                     self.say(Tone::News, "device", news);
                 }
             }
-            Heard::Answer(answer) => self.answered(answer),
+            Reply::Answer(answer) => self.answered(answer),
         }
     }
 

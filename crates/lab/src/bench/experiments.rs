@@ -1,96 +1,15 @@
-//! Experiments: what is felt follows the task, every finished trial is on disk before the next one begins.
+//! Experiments: the rendered resistance follows the task; each finished trial is on disk before the next one begins.
 
 use super::Bench;
+use super::recording_in_progress::begin_file;
+use super::running::Felt;
 use super::sessions::changes;
-use crate::device::{Recorder, Sample};
 use crate::experiment::{Shown, Task, told};
 use crate::orders::About;
 use crate::say::Tone;
 use crate::verdict;
-use perception::{Answer, Log, Record, Resistance, Stimulus};
-
-/// What resists now.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Felt {
-    /// Nothing is rendered; the block that is mounted, if one is.
-    Bare {
-        /// The real block of table 5-2.
-        block: bool,
-    },
-    /// This is rendered.
-    Rendered(Stimulus),
-}
-
-/// A session under way.
-pub(super) struct Running {
-    log: Log,
-    name: String,
-    task: Task,
-    /// The subject has armed it.
-    armed: bool,
-    /// Time of the device when the trial began, s.
-    since: Option<f64>,
-    trajectory: Option<(String, Box<dyn Recorder>)>,
-    /// On the handle by now.
-    felt: Option<Felt>,
-    last: String,
-}
-
-impl Running {
-    pub fn new(log: Log, name: String, task: Task) -> Self {
-        Self { log, name, task, armed: false, since: None, trajectory: None, felt: None, last: String::new() }
-    }
-
-    /// What belongs on the handle now.
-    fn wanted(&self) -> Felt {
-        match &self.task {
-            Task::Targeting(task) => match task.next().map(|segment| segment.resistance) {
-                Some(Resistance::Real) => Felt::Bare { block: true },
-                Some(resistance) => resistance.rendered().map_or(Felt::Bare { block: false }, Felt::Rendered),
-                None => Felt::Bare { block: false },
-            },
-            Task::Choice(task) => match task.next() {
-                Some(question) => Felt::Rendered(question.stimulus(task.case())),
-                None => Felt::Bare { block: false },
-            },
-        }
-    }
-
-    fn discard_trajectory(&mut self) {
-        if let Some((_, file)) = self.trajectory.take() {
-            file.discard();
-        }
-    }
-
-    fn abandon(&mut self) {
-        self.since = None;
-        self.discard_trajectory();
-        match &mut self.task {
-            Task::Targeting(task) => task.abandon(),
-            Task::Choice(task) => task.abandon(),
-        }
-    }
-
-    fn waits(&self, sim: bool) -> &'static str {
-        if self.task.is_complete() {
-            "That was the last one. Thank you."
-        } else if !self.armed {
-            "The handle is free. Arm it when you are ready."
-        } else if self.since.is_none() {
-            match (self.wanted(), sim) {
-                (Felt::Bare { block: true }, false) => {
-                    "Experimenter: mount the 0.5 kg aluminium block on its rubber pad, then start."
-                }
-                (Felt::Bare { block: false }, false) if matches!(self.task, Task::Targeting(_)) => {
-                    "Experimenter: nothing is mounted on the handle? Then start."
-                }
-                _ => "Ready.",
-            }
-        } else {
-            ""
-        }
-    }
-}
+use client::Sample;
+use perception::{Answer, Record};
 
 impl Bench {
     /// Ends the session; what is finished stays.
@@ -103,7 +22,7 @@ impl Bench {
         }
     }
 
-    /// A stop, a fault, or the device is gone: the trial that runs is no trial.
+    /// Discards the current trial after a stop, a fault or the loss of the device.
     pub(super) fn interrupt(&mut self) {
         if let Some(running) = &mut self.experiment {
             running.abandon();
@@ -146,8 +65,9 @@ impl Bench {
         // a trial that was given up leaves no file
         let number = running.task.progress().0 + 1;
         let name = format!("{}-trial-{number:03}.csv", running.name);
-        let notes = [("session".to_owned(), running.name.clone()), ("trial".to_owned(), number.to_string())];
-        let file = self.tools.record(&self.folder.join(&name), header, &notes)?;
+        let notes =
+            vec![("session".to_owned(), running.name.clone()), ("trial".to_owned(), number.to_string())];
+        let file = begin_file(&self.folder.join(&name), header, notes)?;
         running.trajectory = Some((name, file));
         Ok(())
     }
@@ -227,7 +147,7 @@ impl Bench {
         let Some(trial) = task.answer(answer, now - since) else {
             return Err("feel the baseline, A and B first".into());
         };
-        // right or wrong is not told: it would teach
+        // feedback would teach the subject
         running.last = "answered".into();
         self.finished(Record::ForcedChoice(trial))
     }
@@ -238,7 +158,7 @@ impl Bench {
         let Some(running) = &mut self.experiment else { return Ok(()) };
         running.since = None;
         if let Some((name, file)) = running.trajectory.take() {
-            file.finish(lost)?;
+            file.finish(lost).map_err(|e| e.to_string())?;
             match &mut record {
                 Record::Targeting(trial) => trial.trajectory = Some(name),
                 Record::ForcedChoice(trial) => trial.trajectory = Some(name),
@@ -269,7 +189,7 @@ impl Bench {
         }
         let Some(running) = &mut self.experiment else { return };
         let (Some(since), Some((_, file))) = (running.since, &mut running.trajectory) else { return };
-        let written = file.sample(&Sample { time: sample.time - since, ..*sample });
+        let written = file.write(&Sample { time: sample.time - since, ..*sample });
         if let Err(why) = written {
             running.discard_trajectory();
             self.say(Tone::Error, "experiment", format!("the trajectory of this trial is lost: {why}"));

@@ -1,10 +1,10 @@
-//! What is computed beside the running device.
+//! Jobs that compute while the device runs.
 
 use super::{Bench, ToBench};
 use crate::known::{Done, Job};
 use std::time::{Duration, Instant};
 
-/// Progress is told this often at most.
+/// Shortest interval between two progress messages.
 const STEP: Duration = Duration::from_millis(100);
 
 impl Bench {

@@ -1,60 +1,18 @@
-//! Recordings: to disk while they grow, listed when they are whole.
+//! Recordings: written to disk as they grow, listed when complete.
 
 use super::Bench;
-use crate::device::{Recorder, Sample};
+use super::recording_in_progress::{Recording, begin_file};
 use crate::known::Listed;
 use crate::say::Tone;
+use client::Sample;
 use std::path::{Path, PathBuf};
 
-/// A recording that grows.
-pub(super) struct Recording {
-    name: String,
-    file: Box<dyn Recorder>,
-    samples: u64,
-    lost: u64,
-    /// Time of the first sample, s.
-    from: Option<f64>,
-    to: f64,
-    motion: Option<Motion>,
-}
-
-/// What a recorded move waits for.
-struct Motion {
-    /// Length wanted, s.
-    seconds: f64,
-    identify: bool,
-    /// Time the handle was driven from, s.
-    driven: Option<f64>,
-}
-
-impl Recording {
-    pub fn of_a_move(&mut self, seconds: f64, identify: bool) {
-        self.motion = Some(Motion { seconds, identify, driven: None });
-    }
-
-    /// The move will not come, or not last: what there is, is all.
-    pub fn stop_waiting(&mut self) {
-        self.motion = None;
-    }
-
-    pub fn lost(&mut self, count: u64) {
-        if self.from.is_some() {
-            self.lost += count;
-        }
-    }
-
-    /// Nothing came of it.
-    pub fn abandon(self) {
-        self.file.discard();
-    }
-}
-
-/// A name no recording has yet: `rec-001.csv`.
+/// An unused name: `rec-001.csv`.
 fn free_name(folder: &Path) -> String {
     (1..).map(|k| format!("rec-{k:03}.csv")).find(|name| !folder.join(name).exists()).unwrap_or_default()
 }
 
-/// A plain file name of a recording, not a path to somewhere else.
+/// Whether this is a plain file name, not a path.
 pub(crate) fn is_name(name: &str, extension: &str) -> bool {
     let stem = name.strip_suffix(extension).unwrap_or("");
     let fits = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_');
@@ -77,7 +35,7 @@ impl Bench {
             ]
         });
         all.extend_from_slice(notes);
-        let file = self.tools.record(&self.folder.join(&name), header, &all)?;
+        let file = begin_file(&self.folder.join(&name), header, all)?;
         self.recording =
             Some(Recording { name, file, samples: 0, lost: 0, from: None, to: 0.0, motion: None });
         self.shared.known(|known| known.recording = Some(0));
@@ -116,8 +74,8 @@ impl Bench {
         recording.to = sample.time;
         recording.samples += 1;
         let count = recording.samples;
-        if let Err(why) = recording.file.sample(&Sample { time: sample.time - from, ..*sample }) {
-            self.say(Tone::Error, "record", why);
+        if let Err(why) = recording.file.write(&Sample { time: sample.time - from, ..*sample }) {
+            self.say(Tone::Error, "record", why.to_string());
             self.recording = None;
             self.shared.known(|known| known.recording = None);
             self.dirty = true;
@@ -146,11 +104,11 @@ impl Bench {
                     self.say(Tone::Refused, "identify", why);
                 }
             }
-            Err(why) => self.say(Tone::Error, "record", why),
+            Err(why) => self.say(Tone::Error, "record", why.to_string()),
         }
     }
 
-    /// What an earlier run left in the folder.
+    /// Lists the recordings in the folder.
     pub(super) fn list_recordings(&mut self) {
         let Ok(entries) = std::fs::read_dir(&self.folder) else { return };
         let mut names: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|e| e.path())).collect();
@@ -162,7 +120,7 @@ impl Bench {
     /// Files of these recordings or sessions.
     pub(super) fn paths(&self, names: &[String]) -> Result<Vec<PathBuf>, String> {
         if names.is_empty() {
-            return Err("choose one at least".into());
+            return Err("choose at least one".into());
         }
         let known: Vec<String> = self.shared.known(|known| {
             let recordings = known.recordings.iter().map(|listed| &listed.name);

@@ -1,4 +1,4 @@
-//! What a page asks, checked and turned into commands.
+//! Checks the requests of a page and turns them into commands.
 
 use super::Bench;
 use crate::message::Ask;
@@ -45,7 +45,7 @@ impl Bench {
             }
             Ask::Disarm => {
                 self.shared.known(|known| known.armed = false);
-                self.orders.first("render off", About::Page("disarm"));
+                self.off_at_once();
                 self.dirty = true;
                 Ok(())
             }

@@ -1,7 +1,7 @@
-//! Sessions: opened, resumed, listed; what could not be presented is refused before the first trial.
+//! Sessions: opened, resumed, listed. A plan with a stimulus that the device cannot present is refused before the first trial.
 
 use super::Bench;
-use super::experiments::Running;
+use super::running::Running;
 use crate::experiment::{Begun, Task, rfc3339};
 use crate::say::Tone;
 use crate::verdict;
@@ -114,7 +114,7 @@ impl Bench {
             self.say(
                 Tone::Warning,
                 "experiment",
-                "the last trial was not finished when the file ended; it begins anew",
+                "the last trial was not finished when the file ended; it starts again",
             );
         }
         let task = Task::resume(&session);
@@ -129,7 +129,7 @@ impl Bench {
         self.show_experiment();
     }
 
-    /// Sessions of the folder, for all that finished trials are read anew.
+    /// Lists the sessions of the folder; reads their finished trials again.
     pub(super) fn list_sessions(&mut self) {
         let Ok(entries) = std::fs::read_dir(&self.folder) else { return };
         let mut paths: Vec<PathBuf> = entries
@@ -143,7 +143,7 @@ impl Bench {
     }
 }
 
-/// A stimulus as commands: the block of the thesis, and none of the effects a preset may have had.
+/// A stimulus as commands: the block of [thesis, table 5-3], and none of the effects a preset may have had.
 pub(super) fn changes(stimulus: &Stimulus) -> Vec<(String, String)> {
     let mut all = vec![
         ("law".to_owned(), "karnopp".to_owned()),

@@ -1,11 +1,15 @@
 //! Recordings and reports of this session, to download and to read.
 
-use super::{App, REPORT_POLICY};
+use super::app::App;
 use crate::bench::is_name;
 use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+
+/// Reports are files of their own, with their scripts inside; they may reach nothing.
+const REPORT_POLICY: &str = "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; \
+    style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'";
 
 fn not_there(name: &str) -> Response {
     let name: String = name.chars().filter(|c| c.is_ascii_graphic()).take(80).collect();

@@ -1,6 +1,6 @@
 //! One page's socket: every batch of samples down, requests up.
 
-use super::App;
+use super::app::App;
 use crate::bench::ToBench;
 use crate::message::{Ask, LONGEST};
 use crate::say::{Say, Tone};

@@ -1,29 +1,29 @@
-//! One item of the map that lasts: a format number and the content in postcard.
+//! An item of persistent memory: a format number and the content in postcard.
 
-use super::{MAX_SAVED, ShortName, long, short};
+use super::name::{MAX_SAVED, ShortName, long, short};
 use haptics::Settings;
 use serde::{Deserialize, Serialize};
 
-/// Format of the items; those of another one are not read.
+/// Format of the items. Items of another format are not read.
 const FORMAT: u8 = 1;
 /// Longest item, bytes.
 pub const MAX_ITEM: usize = 256;
-/// Key of the item that names the default; the presets have the keys below.
+/// Key of the item that names the default. Presets have the smaller keys.
 pub const DEFAULT_KEY: u8 = MAX_SAVED as u8;
 
-/// What is kept under a key.
+/// Content of an item.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub(super) enum Item {
-    /// No preset is saved here any more.
+    /// A free place.
     Empty,
     /// A preset.
     Saved(ShortName, Settings),
-    /// Which preset is used after a start.
+    /// Name of the preset used after a restart.
     Default(Option<ShortName>),
 }
 
-/// [`Item`] as it is written.
+/// [`Item`] in its stored form.
 #[derive(Serialize, Deserialize)]
 enum Written<'a> {
     Empty,
@@ -44,7 +44,7 @@ impl Item {
         buffer.get(..=length)
     }
 
-    /// Reads one; `None` if it is in another format or is none.
+    /// Decodes an item. `None` for another format or invalid bytes.
     pub(super) fn decode(bytes: &[u8]) -> Option<Self> {
         let (&FORMAT, content) = bytes.split_first()? else { return None };
         Some(match postcard::from_bytes(content).ok()? {
@@ -56,7 +56,7 @@ impl Item {
     }
 }
 
-/// What a command about presets needs stored.
+/// Item that a preset command needs stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
     key: u8,
@@ -80,13 +80,13 @@ impl Change {
         (self.key, self.item)
     }
 
-    /// Key of the item.
+    /// Key of the item to store.
     #[must_use]
     pub fn key(&self) -> u8 {
         self.key
     }
 
-    /// The item as bytes; empty only if it did not fit, which a preset with all its effects does.
+    /// The item as bytes. Empty only if it did not fit; a preset with all its effects fits.
     pub fn encode<'b>(&self, buffer: &'b mut [u8; MAX_ITEM]) -> &'b [u8] {
         self.item.encode(buffer).unwrap_or(&[])
     }

@@ -33,7 +33,7 @@ impl Kept {
 }
 
 #[test]
-fn saved_presets_come_and_go_and_the_built_in_stay() {
+fn saved_presets_can_be_deleted_built_in_cannot() {
     let mut kept = Kept::default();
     let mut mine = Settings::rubber();
     mine.set("f_dynamic", "1.5").unwrap();
@@ -71,7 +71,7 @@ fn a_full_store_still_replaces() {
 }
 
 #[test]
-fn what_was_identified_is_there_at_once_and_after_a_restart_only_if_it_was_saved() {
+fn identified_presets_persist_only_if_saved() {
     let mut kept = Kept::default();
     kept.store.set_identified(&Settings::teflon());
     assert_eq!(kept.store.find(IDENTIFIED), Ok(Settings::teflon()));
@@ -95,7 +95,7 @@ fn what_was_identified_is_there_at_once_and_after_a_restart_only_if_it_was_saved
 }
 
 #[test]
-fn a_default_whose_preset_is_gone_is_none_and_does_not_come_back_with_the_name() {
+fn a_deleted_default_does_not_return() {
     // power went after the preset was deleted and before its default was
     let mut kept = Kept::default();
     kept.keep(kept.store.save("a", &Settings::brass()).unwrap());
@@ -116,7 +116,7 @@ fn a_default_whose_preset_is_gone_is_none_and_does_not_come_back_with_the_name()
 }
 
 #[test]
-fn items_of_another_format_are_told_of_and_give_way_to_new_presets() {
+fn unknown_formats_are_reported_and_replaced() {
     let mut kept = Kept::default();
     let mut buffer = [0; MAX_ITEM];
     let mut other = kept.store.save("a", &Settings::brass()).unwrap().encode(&mut buffer).to_vec();
@@ -154,7 +154,7 @@ fn the_format_of_a_saved_preset_is_what_devices_hold() {
 const FORMAT_1: &str = "010103782d310001b37b7640cd3b3a40cc5d5f4010e92340a5bd0b419a77fe400000803e94f6c63e0000fa450000704100504347000020410ad7233c0001100000803f00000000000000000000000000000000000000400000";
 const KINDS_1: &str = "stribeck sublinear_viscous quadratic_drag presliding frictional_lag rising_static_friction \
     friction_drift position_dependent_friction load_dependent_friction spring nonlinear_spring gravity cogging \
-    periodic_friction torque_ripple hard_stop offset";
+    periodic_friction torque_ripple hard_stop offset lost_motion rate_and_state directional_efficiency";
 
 #[test]
 fn the_longest_preset_fits_its_item() {

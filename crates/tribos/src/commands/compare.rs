@@ -1,11 +1,14 @@
 //! `tribos compare REAL RENDERED`: does the rendered block feel like the real one?
 
 use super::demo::fresh_folder;
-use crate::compare::{Comparison, MARGIN, Measured, Verdict, compare, demo, overlay};
 use crate::failure::{Outcome, Result};
 use crate::options::{self, Mapping};
-use crate::table::{Table, number};
+use crate::terminal::Terminal;
 use crate::{files, reading};
+use compare::{Comparison, MARGIN, Measured, Verdict, compare};
+use procedures::rendered;
+use report::number::number;
+use report::{Table, overlay};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -16,35 +19,56 @@ use std::path::{Path, PathBuf};
   tribos compare real.csv rendered.csv --expect same
   tribos compare --demo")]
 pub struct Args {
-    /// The real block, moved by the device or by a hand: CSV, or .mat (v5) or .json with --map
+    /// The real block, moved by the device or by a hand: CSV, .mat (v5) or .json; signals named with their units, or by --map
     #[arg(value_name = "REAL", required_unless_present = "demo")]
     real: Option<PathBuf>,
     /// The rendered block, moved by a hand
     #[arg(value_name = "RENDERED", required_unless_present = "demo")]
     rendered: Option<PathBuf>,
-    /// The device alone (preset `baseline`), moved as for RENDERED: what it resists by itself is taken off
+    /// The device alone (preset `baseline`), moved as for RENDERED: its own resistance is subtracted
     #[arg(long, value_name = "BARE")]
     bare: Option<PathBuf>,
-    /// Share by which friction may differ and count as the same
+    /// Largest relative difference of friction that counts as the same
     #[arg(long, value_name = "SHARE", default_value_t = MARGIN, value_parser = options::above_zero, allow_hyphen_values = true)]
     margin: f64,
     /// Exit with 1 unless this is the verdict
     #[arg(long, value_name = "VERDICT")]
-    expect: Option<Verdict>,
+    expect: Option<Expected>,
     /// Draw both: friction over velocity and time, difference in JND
     #[arg(long, value_name = "overlay.svg")]
     out: Option<PathBuf>,
     /// Write the comparison as JSON, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Brass, Teflon and rubber on the virtual device, rendered rightly and a tenth wrong; --out is then a folder
-    #[arg(long, conflicts_with_all = ["real", "rendered", "bare", "expect", "json", "margin", "map"])]
+    /// Brass, Teflon and rubber on the virtual device, rendered correctly and a tenth wrong; --out is then a folder
+    #[arg(long, conflicts_with_all = ["real", "rendered", "bare", "expect", "json", "margin", "maps"])]
     demo: bool,
     /// Seed of the demo's noise
     #[arg(long, default_value_t = 1, requires = "demo")]
     seed: u64,
     #[command(flatten)]
     mapping: Mapping,
+}
+
+/// A verdict to be expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Expected {
+    /// The ratio's interval is within the margin
+    Same,
+    /// It is wholly beyond the margin
+    Different,
+    /// Neither
+    Undecided,
+}
+
+impl From<Expected> for Verdict {
+    fn from(expected: Expected) -> Self {
+        match expected {
+            Expected::Same => Self::Same,
+            Expected::Different => Self::Different,
+            Expected::Undecided => Self::Undecided,
+        }
+    }
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
@@ -54,16 +78,14 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     for path in [&args.out, &args.json].into_iter().flatten() {
         files::check_writable(path)?;
     }
-    let measured = |path: &PathBuf| {
-        let recording = reading::read(path, &args.mapping)?;
-        Measured::new(&recording)
-    };
-    let real = measured(real)?;
-    let rendered = measured(rendered)?;
-    let bare = args.bare.as_ref().map(measured).transpose()?;
-    let comparison = compare(&real, &rendered, bare.as_ref(), args.margin)?;
+    let paths: Vec<&PathBuf> = [real, rendered].into_iter().chain(&args.bare).collect();
+    let recordings = reading::read_all(&paths, &args.mapping)?;
+    let measured: Vec<Measured> =
+        recordings.iter().map(Measured::new).collect::<std::result::Result<_, _>>()?;
+    let (real, rendered, bare) = (&measured[0], &measured[1], measured.get(2));
+    let comparison = compare(real, rendered, bare, args.margin)?;
     if let Some(path) = &args.out {
-        files::write(path, overlay(&comparison, &real, &rendered)?.as_bytes())?;
+        files::write(path, overlay(&comparison, real, rendered)?.as_bytes())?;
     }
     if let Some(path) = &args.json {
         files::write_json(path, &comparison)?;
@@ -77,7 +99,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         }
     }
     Ok(match args.expect {
-        Some(expected) if expected != comparison.verdict => Outcome::ExpectedFindingAbsent,
+        Some(expected) if Verdict::from(expected) != comparison.verdict => Outcome::ExpectedFindingAbsent,
         _ => Outcome::Done,
     })
 }
@@ -116,7 +138,7 @@ fn text(c: &Comparison) -> String {
         );
     }
     if c.breakaway.is_empty() {
-        out.push_str("  break-away: not told by both recordings, not in the distance\n");
+        out.push_str("  break-away: not found in both recordings, not in the distance\n");
     }
     if let [Some(real), Some(rendered)] = c.mass {
         let _ =
@@ -149,7 +171,7 @@ fn show_demo(args: &Args) -> Result<Outcome> {
         "A real block of the virtual rig, driven and identified; the handle then renders what was identified, with a"
     );
     println!("simulated hand on it: as found, and with a tenth too much and too little friction.\n");
-    let all = demo(&out, args.seed)?;
+    let all = rendered::demo(&out, args.seed, &Terminal)?;
     let mut table =
         Table::new(&["material", ">friction", ">JND", ">95 %", ">times the real", ">95 %", "verdict"]);
     for r in &all {
@@ -168,81 +190,4 @@ fn show_demo(args: &Args) -> Result<Outcome> {
     print!("{}", table.render());
     println!("\n  recordings, models and overlays: {}", out.display());
     Ok(Outcome::Done)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use identify::Recording;
-
-    /// A block of 0.4 kg with friction `level` N and 2 N·s/m, moved by a sine; its own formula, no crate's.
-    fn recording(level: f64, amplitude: f64, frequency: f64, sign: f64) -> Measured {
-        let turn = std::f64::consts::TAU * frequency;
-        let mut recording =
-            Recording { name: format!("{level} N at {frequency} Hz"), ..Recording::default() };
-        let mut noise = 1_u64;
-        for i in 0..20_000 {
-            let t = f64::from(i) * 1e-3;
-            let (x, v) = (amplitude * (turn * t).sin(), amplitude * turn * (turn * t).cos());
-            noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let jitter = 0.1 * ((noise >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
-            recording.time.push(t);
-            recording.position.push(x);
-            let force = 0.4 * -turn * turn * x + level * v.signum() + 2.0 * v + jitter;
-            recording.force.push(sign * force);
-        }
-        Measured::new(&recording).unwrap_or_else(|e| panic!("{e}"))
-    }
-
-    #[test]
-    fn blocks_a_jnd_apart_are_a_jnd_apart_whatever_the_motion_and_the_side_of_the_load_cell() {
-        // at 2 N and 50 mm/s, 2 N·s/m add 0.1 N: the level is 2.1 N, and the thesis's 0.78 N at 2 N are 0.37 JND a newton
-        let real = recording(2.0, 0.012, 0.7, 1.0);
-        for (level, expected) in [(2.0, 0.0), (2.78, 0.96), (1.64, 0.96)] {
-            for (amplitude, frequency, sign) in [(0.012, 0.7, 1.0), (0.008, 1.1, -1.0)] {
-                let other = recording(level, amplitude, frequency, sign);
-                assert_eq!(other.turned, sign < 0.0);
-                let c = compare(&real, &other, None, MARGIN).unwrap_or_else(|e| panic!("{e}"));
-                println!("{level} N, {frequency} Hz: {:.3} JND {:.3?}", c.distance.value, c.distance.ci95);
-                assert!((c.distance.value - expected).abs() < 0.05, "{:?}", c.distance);
-                assert_eq!(c.verdict == Verdict::Same, level == 2.0);
-            }
-        }
-    }
-
-    #[test]
-    fn no_speed_in_common_is_said_and_so_is_too_little_sliding() {
-        let (slow, fast) = (recording(2.0, 0.004, 0.3, 1.0), recording(2.0, 0.014, 3.0, 1.0));
-        let why = compare(&slow, &fast, None, MARGIN).err().map(|e| e.to_string()).unwrap_or_default();
-        println!("{why}");
-        assert!(why.contains("no speed at which all slide") && why.contains("mm/s"), "{why}");
-    }
-
-    #[test]
-    fn rendered_from_its_identification_a_block_feels_like_the_real_one_and_a_tenth_is_told() {
-        let dir = tempfile::tempdir().expect("a folder");
-        for r in demo(dir.path(), 11).unwrap_or_else(|e| panic!("{e}")) {
-            let c = &r.comparison;
-            println!(
-                "{} × {}: {:.3} JND ({:.3} to {:.3}), {:.4} times the real ({:.4} to {:.4}), {:?}",
-                r.material,
-                r.times,
-                c.distance.value,
-                c.distance.ci95[0],
-                c.distance.ci95[1],
-                c.ratio.value,
-                c.ratio.ci95[0],
-                c.ratio.ci95[1],
-                c.verdict
-            );
-            if r.times == 1.0 {
-                assert!(c.distance.ci95[1] < 0.5, "{}: {:?}", r.material, c.distance);
-                assert_eq!(c.verdict, Verdict::Same, "{}: {:?}", r.material, c.ratio);
-            } else {
-                assert_eq!(c.verdict, Verdict::Different, "{} × {}: {:?}", r.material, r.times, c.ratio);
-                let [low, high] = c.ratio.ci95;
-                assert!(low < r.times + 0.03 && high > r.times - 0.03, "{:?}", c.ratio);
-            }
-        }
-    }
 }

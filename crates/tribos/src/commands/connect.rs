@@ -2,7 +2,7 @@
 
 use crate::console;
 use crate::failure::{Outcome, Result};
-use crate::session::Session;
+use client::Session;
 use std::io::IsTerminal;
 
 /// Options of `connect`.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Options of `convert`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Recording to read: .csv, .mat (v5) or .json (with --map)
+    /// Recording to read: .csv, .mat (v5) or .json
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// File to write: .csv, .mat (v5) or .mcap (opens in PlotJuggler, Foxglove and Rerun)

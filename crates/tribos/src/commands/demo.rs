@@ -1,28 +1,26 @@
 //! `tribos demo`: the whole story on the virtual device.
 
 use super::{diagnose as diagnosing, identify as identifying};
-use crate::conceal::{concealable, concealed};
 use crate::failure::{Failure, Outcome, Result};
-use crate::moves::Move;
 use crate::options::Mapping;
 use crate::progress::Progress;
-use crate::recorder::{self, Plan};
-use crate::session::{Event, Session, Settled};
-use crate::table::number;
-use crate::transport::Virtual;
+use crate::terminal::record;
 use crate::{files, reading};
-use diagnose::{Options, diagnose, report};
+use client::{Event, Move, Plan, Session, Settled, Virtual};
+use diagnose::{Options, diagnose};
 use friction::effects::{Effect, EffectKind};
 use haptics::Wave;
 use identify::{KarnoppOptions, Model, Preprocess, identify_karnopp, prepare};
 use plant::materials::BRASS;
+use procedures::conceal::{concealable, concealed};
+use report::number::number;
 use std::path::{Path, PathBuf};
 use tribos_firmware::board::simulated::Holder;
 
 /// Options of `demo`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder for what the demo makes; a fresh one beside you when not given
+    /// Folder for the results; by default a new one in the working directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Effect to conceal in the rig: an effect of the catalogue, `random` or `none`
@@ -46,7 +44,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
 
     println!("Everything below happens on a virtual device; its files go to {}.", out.display());
     println!("\n1  A handle that feels like brass");
-    println!("   A motor makes a free handle resist like a block sliding on brass. It is told so over its");
+    println!(
+        "   A motor makes a free handle resist like a block sliding on brass. It receives this over its"
+    );
     println!("   serial line, and a simulated hand tries it.\n");
     feel("brass", args.seed)?;
 
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     };
     print!("{}", diagnosing::outline("recording.csv", &found));
     files::write_json(&file("diagnosis.json"), &found)?;
-    files::write(&file("report.html"), report::html(&found, "recording.csv").as_bytes())?;
+    files::write(&file("report.html"), report::diagnosis(&found, "recording.csv").as_bytes())?;
 
     println!("\n5  The envelope is opened\n");
     println!("  concealed in the rig: {}", effect.map_or("nothing", |e| e.kind.id()));
@@ -114,7 +114,7 @@ pub(crate) fn fresh_folder(name: &str) -> PathBuf {
     (2_u32..).map(|n| PathBuf::from(format!("{name}-{n}"))).find(|dir| !dir.exists()).unwrap_or(first)
 }
 
-/// The effect asked for, in so many times its usual size.
+/// The effect asked for, at a multiple of its usual size.
 pub(crate) fn choose(name: &str, size: f64, seed: u64) -> Result<Option<Effect<f64>>> {
     let kinds = concealable();
     let kind = match name {
@@ -144,7 +144,7 @@ fn feel(preset: &str, seed: u64) -> Result<()> {
     while samples.len() < 4_000 {
         for event in session.poll()? {
             if let Event::Sample(sample) = event {
-                samples.push(sample.point);
+                samples.push(sample);
             }
         }
     }
@@ -165,13 +165,13 @@ fn feel(preset: &str, seed: u64) -> Result<()> {
     Ok(())
 }
 
-/// Drives a block on brass, and on what nobody is told, and records it over the serial line.
-fn slide(seed: u64, effects: &[Effect<f64>], path: &Path) -> Result<identify::Recording> {
+/// Drives a block on brass, and on a concealed effect, and records it over the serial line.
+fn slide(seed: u64, effects: &[Effect<f64>], path: &Path) -> Result<signals::Recording> {
     let mut device = Virtual::new(seed)?;
     device.device().set_block(BRASS.mass, BRASS.law, effects).map_err(Failure::new)?;
     let mut session = Session::over("sim", Box::new(device));
     let plan = Plan { motion: Some(MOTION), seconds: MOTION.seconds.unwrap_or(20.0), notes: Vec::new() };
-    let recorded = recorder::record(&mut session, &plan, path)?;
+    let recorded = record(&mut session, &plan, path)?;
     println!(
         "  move {MOTION}: {} samples at 1 kHz through the rig's encoder, load cell and accelerometer, {} lost",
         recorded.samples, recorded.lost

@@ -1,19 +1,21 @@
 //! `tribos design --grid` and `--renderers`: the renderers against each other, in simulation.
 
-use super::design::Args;
-use crate::design::grid::{self, Outcome as Cell, Tally};
-use crate::design::{grid_map, renderers};
+use super::design_args::{Args, built_in};
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
-use crate::table::{Table, number};
+use crate::progress::Progress;
+use design::grid::{self, Outcome as Cell, Tally};
+use design::{grid_map, renderers};
 use haptics::{Accepted, RendererKind, Settings};
+use report::Table;
+use report::number::number;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// DV of the thesis's final experiment (table 5-3), m/s.
+/// DV of the final experiment [thesis, table 5-3], m/s.
 const DV: f64 = 1e-3;
 
-/// The reference of the forced-choice experiment (table 5-3).
+/// The reference of the forced-choice experiment [thesis, table 5-3].
 fn table_5_3() -> Settings {
     Settings {
         law: haptics::LawKind::Karnopp,
@@ -39,9 +41,11 @@ pub(super) fn grid(args: &Args, points: usize) -> Result<Outcome> {
         let accepted = Accepted::Between(low as f32, high as f32);
         return Err(Failure::new(format!("--dv {dv} m/s: {accepted}")));
     }
-    let cells = grid::run(points, dv);
+    let bar = Progress::new("grid");
+    let cells = grid::run(points, dv, &|share| bar.set(share, ""));
+    drop(bar);
     if let Some(path) = &args.map {
-        files::write(path, grid_map::draw(&cells)?.as_bytes())?;
+        files::write(path, grid_map(&cells)?.as_bytes())?;
     }
     if let Some(path) = &args.json {
         files::write_json(path, &grid_json(&cells, dv))?;
@@ -104,7 +108,7 @@ fn grid_json(cells: &[Cell], dv: f64) -> Value {
 /// The table of renderers.
 pub(super) fn compared(args: &Args) -> Result<Outcome> {
     let presets: Vec<(String, Settings)> = match &args.preset {
-        Some(name) => vec![(name.clone(), super::design::built_in(name)?)],
+        Some(name) => vec![(name.clone(), built_in(name)?)],
         None => vec![
             ("table 5-3".to_owned(), table_5_3()),
             ("rubber".to_owned(), Settings::rubber()),

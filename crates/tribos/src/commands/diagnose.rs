@@ -3,20 +3,22 @@
 use crate::failure::{Failure, Outcome, Result};
 use crate::options::{Recordings, Results};
 use crate::progress::Progress;
-use crate::table::{Table, number, with_std};
 use crate::{files, reading};
-use diagnose::{Diagnosis, Nuisance, Options, Verdict, diagnose, report};
+use diagnose::{Diagnosis, Nuisance, Options, Verdict, diagnose};
+use report::Table;
+use report::number::{number, with_std};
 use std::path::PathBuf;
 
 /// Options of `diagnose`.
 #[derive(Debug, clap::Args)]
+#[command(after_long_help = effects_help())]
 pub struct Args {
     #[command(flatten)]
     recordings: Recordings,
-    /// Recordings that are not fitted, only predicted: the judges of what was found
+    /// Recordings that are only predicted, to judge the findings
     #[arg(long, value_name = "REC", num_args = 1..)]
     validate: Vec<PathBuf>,
-    /// Standard deviation of one force sample, N (N·m), where it is known; estimated otherwise
+    /// Standard deviation of one force sample, N (N·m); estimated when not given
     #[arg(long, value_name = "N", value_parser = crate::options::noise, allow_hyphen_values = true)]
     noise: Option<f64>,
     /// Cut-off of the zero-phase filter, Hz; chosen from the noise when not given
@@ -26,7 +28,10 @@ pub struct Args {
     /// Everything else is shared; on --validate recordings these are fitted again, beside the frozen figure
     #[arg(long, value_name = "NUISANCE", value_delimiter = ',', value_parser = nuisance)]
     per_recording: Vec<Nuisance>,
-    /// Effects not to be considered
+    /// The encoder is absolute, or was homed: phases along the stroke hold on --validate recordings
+    #[arg(long)]
+    absolute: bool,
+    /// Effects to leave out of the search
     #[arg(long, value_name = "EFFECT", value_delimiter = ',')]
     exclude: Vec<String>,
     /// Exit with 1 unless this is found: an effect, or a verdict (mismatch, no_mismatch, not_testable)
@@ -53,13 +58,15 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     for id in args.exclude.iter().chain(&args.expect) {
         check_finding(id)?;
     }
-    let train = reading::read_all(&args.recordings.files, &args.recordings.mapping)?;
-    let validate = reading::read_all(&args.validate, &args.recordings.mapping)?;
+    let files: Vec<&PathBuf> = args.recordings.files.iter().chain(&args.validate).collect();
+    let mut train = reading::read_all(&files, &args.recordings.mapping)?;
+    let validate = train.split_off(args.recordings.files.len());
     let options = Options {
         declared_noise: args.noise,
         cutoff_hz: args.cutoff,
         exclude: args.exclude.clone(),
         per_recording: args.per_recording.clone(),
+        absolute: args.absolute,
         ..Options::default()
     };
     let found = {
@@ -79,7 +86,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         files::write(path, model.to_toml().as_bytes())?;
     }
     if let Some(path) = &args.results.report {
-        files::write(path, report::html(&found, &name).as_bytes())?;
+        files::write(path, report::diagnosis(&found, &name).as_bytes())?;
     }
     if let Some(path) = &args.results.json {
         files::write_json(path, &found)?;
@@ -103,7 +110,16 @@ fn verdict(found: &Diagnosis) -> &'static str {
 }
 
 pub(crate) fn is_there(found: &Diagnosis, finding: &str) -> bool {
-    verdict(found) == finding || found.missing.iter().any(|m| m.effect == finding)
+    verdict(found) == finding || found.missing.iter().chain(&found.instruments).any(|m| m.effect == finding)
+}
+
+/// Every effect that a diagnosis can name, for the help.
+fn effects_help() -> String {
+    let mut out = String::from("Effects:\n");
+    for about in diagnose::effect_ids().into_iter().filter_map(friction::effects::about) {
+        out += &format!("  {:28} {}\n", about.id, about.says);
+    }
+    out
 }
 
 /// An id that the diagnosis knows.
@@ -189,6 +205,28 @@ pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
         if !m.experiment.is_empty() && !m.indistinguishable_from.is_empty() {
             out += &format!("    to tell them apart: {}\n", m.experiment);
         }
+    }
+    for m in &found.instruments {
+        let values: Vec<String> = m
+            .parameters
+            .iter()
+            .map(|(name, q)| {
+                let (value, std) = with_std(q.value, q.std);
+                format!("{name} = {value} ± {std} {}", q.unit)
+            })
+            .collect();
+        out += &format!("  instrument repaired, {}: {} ({})\n", m.effect, m.says, values.join(", "));
+    }
+    for w in &found.does_not_carry_over {
+        out += &format!("  does not carry over, {}: {}", w.effect, w.regime);
+        if w.rms_after.is_finite() {
+            out += &format!(
+                ", {} {unit} without it and {} {unit} with it",
+                number(w.rms_before, 4),
+                number(w.rms_after, 4)
+            );
+        }
+        out += "\n";
     }
     for b in &found.blind_to {
         out += &format!("  blind to {}: {}\n    to see it: {}\n", b.effect, b.because, b.experiment);

@@ -1,14 +1,14 @@
 //! `tribos experiment analyse|simulate`: the perception experiments of chapter 5.
 
-use crate::experiment::{self, Analysis, POOLED, Shown};
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
 use crate::options;
 use crate::progress::Progress;
-use crate::table::Table;
 use clap::Subcommand;
+use perception::study::{self, Analysis, POOLED, Shown};
 use perception::{ForcedChoicePlan, Header, Margins, Record, Resistance, SimulatedSubject, TargetingPlan};
 use rayon::prelude::*;
+use report::Table;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -33,13 +33,13 @@ struct Analyse {
     /// Sessions (.jsonl), or folders of them
     #[arg(required = true, value_name = "SESSION")]
     sessions: Vec<PathBuf>,
-    /// Change in completion time from which on a subject did better or worse, s
+    /// Smallest change in completion time that counts, s
     #[arg(long, value_name = "S", default_value_t = Margins::THESIS.time_s, value_parser = options::above_zero, allow_hyphen_values = true)]
     time_margin: f64,
-    /// Change in the number of errors from which on it did
+    /// Smallest change in the number of errors that counts
     #[arg(long, value_name = "N", default_value_t = Margins::THESIS.errors, value_parser = options::above_zero, allow_hyphen_values = true)]
     error_margin: f64,
-    /// Change in the mean error magnitude from which on it did, mm of handle travel
+    /// Smallest change in the mean error magnitude that counts, mm of handle travel
     #[arg(long, value_name = "MM", default_value_t = Margins::THESIS.error_mm, value_parser = options::above_zero, allow_hyphen_values = true)]
     magnitude_margin: f64,
     /// Folder for tidy CSV, ready for psignifit, R or pandas
@@ -58,7 +58,7 @@ struct Simulate {
     /// Number of subjects
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     subjects: u32,
-    /// Seed of everything
+    /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Folder for their sessions
@@ -121,20 +121,20 @@ fn analyse(args: &Analyse) -> Result<Outcome> {
     for path in [&args.report, &args.json].into_iter().flatten() {
         files::check_writable(path)?;
     }
-    let sessions = experiment::read(&args.sessions)?;
+    let sessions = study::read(&args.sessions)?;
     if let Some(dir) = &args.out {
         folder(dir)?;
     }
     let margins =
         Margins { time_s: args.time_margin, errors: args.error_margin, error_mm: args.magnitude_margin };
-    let analysis = experiment::analyse(&sessions, margins);
+    let analysis = study::analyse(&sessions, margins);
     if let Some(dir) = &args.out {
-        for (name, text) in experiment::tables(&sessions, &analysis) {
+        for (name, text) in study::tables(&sessions, &analysis) {
             files::write(&dir.join(name), text.as_bytes())?;
         }
     }
     if let Some(path) = &args.report {
-        files::write(path, experiment::html(&analysis)?.as_bytes())?;
+        files::write(path, report::sessions(&analysis)?.as_bytes())?;
     }
     if let Some(path) = &args.json {
         files::write_json(path, &analysis)?;
@@ -208,7 +208,7 @@ pub(crate) fn text(a: &Analysis) -> String {
         let _ = write!(out, "\n{}", table.render());
         let mut table = Table::new(&["resistance", ">throughput bit/s", ">effective width mm"]);
         for r in Resistance::ALL {
-            if let Some((bits, width)) = experiment::mean_throughput(a, r) {
+            if let Some((bits, width)) = study::mean_throughput(a, r) {
                 table.row([r.name().to_owned(), format!("{bits:.2}"), format!("{width:.2}")]);
             }
         }
@@ -223,7 +223,7 @@ pub(crate) fn text(a: &Analysis) -> String {
                 f.batch.clone(),
                 subject.to_owned(),
                 answers.to_string(),
-                experiment::threshold_text(&f.fit.threshold),
+                report::threshold(&f.fit.threshold),
             ]);
         }
         let _ = write!(out, "\n{}", table.render());
@@ -240,15 +240,15 @@ mod tests {
         let dir = tempfile::tempdir().expect("a folder");
         let out = dir.path().join("subjects");
         simulate(&Simulate { subjects: 2, seed: 1, out: out.clone() }).unwrap_or_else(|e| panic!("{e}"));
-        let sessions = experiment::read(std::slice::from_ref(&out)).unwrap_or_else(|e| panic!("{e}"));
+        let sessions = study::read(std::slice::from_ref(&out)).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(sessions.len(), 6);
-        let analysis = experiment::analyse(&sessions, Margins::THESIS);
+        let analysis = study::analyse(&sessions, Margins::THESIS);
         let said = text(&analysis);
         println!("{said}");
         assert!(said.contains("no human did"));
         assert_eq!(analysis.counts.len(), 36, "nine indices, four resistances");
-        assert!(experiment::html(&analysis).unwrap_or_default().contains("no human did"));
-        let tables = experiment::tables(&sessions, &analysis);
+        assert!(report::sessions(&analysis).unwrap_or_default().contains("no human did"));
+        let tables = study::tables(&sessions, &analysis);
         assert_eq!(tables.len(), 7);
         for (name, table) in &tables {
             let columns = table.lines().next().unwrap_or_default().split(',').count();
@@ -263,7 +263,7 @@ mod tests {
         let end = at + person[at..].find("]]}").expect("its end") + 3;
         person.replace_range(at..end, "");
         std::fs::write(out.join("zz-person.jsonl"), person).expect("written");
-        let why = experiment::read(&[out]).err().map(|e| e.to_string()).unwrap_or_default();
+        let why = study::read(&[out]).err().map(|e| e.to_string()).unwrap_or_default();
         println!("{why}");
         assert!(why.contains("not analysed together"));
     }

@@ -1,11 +1,10 @@
-//! `tribos figures`: the figures of the thesis, computed anew.
+//! `tribos figures`: the figures of [thesis, ch. 3 and 4], recomputed.
 
 use crate::failure::{Failure, Outcome, Result};
-use crate::figures::{FIGURES, Figure, svg};
 use crate::files;
 use crate::progress::Progress;
-use crate::table::Table;
-use std::fmt::Write;
+use ::figures::{FIGURES, page};
+use report::Table;
 use std::path::PathBuf;
 
 /// Options of `figures`.
@@ -34,7 +33,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     for (id, make) in &chosen {
         progress.set(figures.len() as f32 / chosen.len() as f32, &format!("figure {id}"));
         let figure = make()?;
-        files::write(&args.out.join(name(&figure)), svg(&figure)?.as_bytes())?;
+        files::write(&args.out.join(figure.file()), figure.svg()?.as_bytes())?;
         figures.push(figure);
     }
     drop(progress);
@@ -48,39 +47,4 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     print!("{}", table.render());
     println!("  {} figures: {}", figures.len(), args.out.join("index.html").display());
     Ok(Outcome::Done)
-}
-
-fn name(figure: &Figure) -> String {
-    format!("figure_{}.svg", figure.id)
-}
-
-/// All of them with their captions and numbers.
-fn page(figures: &[Figure]) -> String {
-    let mut out = String::from(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">
-<title>Figures of the thesis, computed anew</title>
-<style>body{font:16px/1.5 system-ui,sans-serif;max-width:84rem;margin:2rem auto;padding:0 1rem;color:#222;background:#fff}
-img{max-width:100%;height:auto}table{border-collapse:collapse;font-size:.9rem}td,th{padding:.15rem .8rem .15rem 0;text-align:left}
-figure{margin:0 0 3rem}figcaption{margin:.3rem 0 .6rem}</style>
-<h1>Figures of the thesis, computed anew</h1>
-<p>Chapter 3: simulated recordings with the parameters of table 3-3 and the errors of table 3-2. Chapter 4: the device's own renderer around the device of section 4.4.</p>\n",
-    );
-    for f in figures {
-        let _ = writeln!(
-            out,
-            "<figure id=\"{0}\"><img src=\"{1}\" alt=\"Figure {0}\"><figcaption><b>Figure {0}.</b> {2}</figcaption>",
-            f.id,
-            name(f),
-            f.caption.replace('<', "&lt;").replace('>', "&gt;")
-        );
-        if !f.numbers.is_empty() {
-            out.push_str("<table><tr><th></th><th>thesis</th><th>here</th></tr>");
-            for n in &f.numbers {
-                let _ = write!(out, "<tr><td>{}</td><td>{}</td><td>{}</td></tr>", n.what, n.thesis, n.ours);
-            }
-            out.push_str("</table>");
-        }
-        out.push_str("</figure>\n");
-    }
-    out
 }

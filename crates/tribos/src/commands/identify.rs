@@ -2,14 +2,15 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::options::{LawChoice, PreprocessChoice, Recordings, Results};
-use crate::table::{Table, number, with_std};
 use crate::{files, reading};
 use diagnose::Quantity;
-use diagnose::report::{Identified, Undetermined, identification_html};
 use identify::{
-    DahlOptions, Errors, Estimate, Identification, KarnoppOptions, Model, Preprocess, Recording,
-    RecordingFault, Signals, identify_dahl, identify_karnopp, prepare,
+    DahlOptions, Errors, Estimate, Identification, KarnoppOptions, Model, Preprocess, Signals, identify_dahl,
+    identify_karnopp, prepare,
 };
+use report::number::{number, with_std};
+use report::{Identified, Table, Undetermined};
+use signals::{Preparation, Recording};
 
 /// Options of `identify`.
 #[derive(Debug, clap::Args)]
@@ -19,16 +20,16 @@ pub struct Args {
     /// Friction law
     #[arg(long, value_enum, default_value_t)]
     law: LawChoice,
-    /// How velocities and accelerations are made
+    /// How velocity and acceleration are derived
     #[arg(long, value_enum, default_value_t)]
     preprocess: PreprocessChoice,
     /// Cut-off of the default's filter, Hz; chosen from the noise when not given
     #[arg(long, value_name = "HZ", value_parser = crate::options::cutoff, allow_hyphen_values = true)]
     cutoff: Option<f64>,
-    /// Δv: slower samples are set aside, m/s (rad/s); chosen from the data when not given
+    /// Δv: slower samples are excluded, m/s (rad/s); chosen from the data when not given
     #[arg(long, value_name = "M/S", value_parser = crate::options::not_negative, allow_hyphen_values = true)]
     delta_v: Option<f64>,
-    /// Plain least squares (eq. 3.8) instead of Fuller's estimator (eq. 3.9)
+    /// Plain least squares [thesis, eq. 3.8] instead of Fuller's estimator [thesis, eq. 3.9]
     #[arg(long)]
     least_squares: bool,
     /// Exit with 1 unless this parameter was identified, e.g. sigma
@@ -44,7 +45,7 @@ struct Fit {
     found: Identification,
 }
 
-fn fit(args: &Args, recording: &Recording, how: &Preprocess, faults: &[RecordingFault]) -> Result<Fit> {
+fn fit(args: &Args, recording: &Recording, how: &Preprocess, preparations: &[Preparation]) -> Result<Fit> {
     let errors = if args.least_squares { Errors::LeastSquares } else { Errors::default() };
     let signals = prepare(recording, how).map_err(Failure::new)?;
     let mut found = match args.law {
@@ -55,7 +56,12 @@ fn fit(args: &Args, recording: &Recording, how: &Preprocess, faults: &[Recording
         LawChoice::Dahl => identify_dahl(&signals, &DahlOptions { errors, ..DahlOptions::default() }),
     }
     .map_err(Failure::new)?;
-    found.recording_faults = faults.to_vec();
+    if let [_, _, ..] = preparations {
+        // several were joined: each has its own preparation, behind the cut-off of the fit
+        let cutoff_hz = signals.preparation().cutoff_hz;
+        found.preparation = preparations.iter().map(|p| Preparation { cutoff_hz, ..p.clone() }).collect();
+        found.recording_faults = preparations.iter().flat_map(|p| p.faults.clone()).collect();
+    }
     Ok(Fit { signals, found })
 }
 
@@ -68,23 +74,23 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         check_parameter(args.law, name)?;
     }
     let recordings = reading::read_all(&args.recordings.files, &args.recordings.mapping)?;
-    let (recording, faults) = reading::joined(&recordings)?;
+    let (recording, preparations) = reading::joined(&recordings)?;
     let default = Preprocess::Tribos { cutoff_hz: args.cutoff };
     let how = match args.preprocess {
         PreprocessChoice::Tribos => default,
         PreprocessChoice::Emps => Preprocess::Emps,
         PreprocessChoice::Thesis => Preprocess::Thesis,
     };
-    let main = fit(args, &recording, &how, &faults)?;
+    let main = fit(args, &recording, &how, &preparations)?;
     // what a published or a given preprocessing changes is seen beside the default
-    let beside = if how == default { None } else { fit(args, &recording, &default, &faults).ok() };
+    let beside = if how == default { None } else { fit(args, &recording, &default, &preparations).ok() };
     let model = Model { name: model_name(&recordings), ..Model::from(&main.found) };
     if let Some(path) = &args.results.out {
         let text = model.to_toml();
         files::write(path, text.as_bytes())?;
     }
     if let Some(path) = &args.results.report {
-        files::write(path, identification_html(&report(&recording.name, &main, &model)).as_bytes())?;
+        files::write(path, report::identification(&shown(&recording.name, &main, &model)).as_bytes())?;
     }
     if let Some(path) = &args.results.json {
         let text = main.found.to_json().map_err(Failure::new)?;
@@ -116,10 +122,10 @@ pub(crate) fn by_defaults(files: &[std::path::PathBuf]) -> Result<(String, Strin
         results: Results::default(),
     };
     let recordings = reading::read_all(files, &args.recordings.mapping)?;
-    let (recording, faults) = reading::joined(&recordings)?;
-    let fit = fit(&args, &recording, &Preprocess::Tribos { cutoff_hz: None }, &faults)?;
+    let (recording, preparations) = reading::joined(&recordings)?;
+    let fit = fit(&args, &recording, &Preprocess::Tribos { cutoff_hz: None }, &preparations)?;
     let model = Model { name: model_name(&recordings), ..Model::from(&fit.found) };
-    let html = identification_html(&report(&recording.name, &fit, &model));
+    let html = report::identification(&shown(&recording.name, &fit, &model));
     Ok((describe(&recording.name, &fit.found, None), html, model))
 }
 
@@ -196,7 +202,7 @@ pub(crate) fn describe(name: &str, found: &Identification, beside: Option<&Ident
     out
 }
 
-/// Parameters in the order of the thesis.
+/// Parameters in the order of [thesis, table 3-3].
 const ORDER: [&str; 13] = [
     "mass",
     "coulomb_p",
@@ -205,7 +211,7 @@ const ORDER: [&str; 13] = [
     "viscous_n",
     "coulomb",
     "viscous",
-    "offset",
+    friction::parameters::OFFSET.name,
     "static_p",
     "static_n",
     "delta_v",
@@ -213,7 +219,7 @@ const ORDER: [&str; 13] = [
     "limit_n",
 ];
 
-fn report(name: &str, fit: &Fit, model: &Model) -> Identified {
+fn shown(name: &str, fit: &Fit, model: &Model) -> Identified {
     let (signals, found) = (&fit.signals, &fit.found);
     let quantity = |p: &Estimate| Quantity { value: p.value, std: p.std, unit: p.unit.clone() };
     let mass = found.value("mass").unwrap_or(0.0);

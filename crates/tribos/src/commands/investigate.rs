@@ -3,16 +3,15 @@
 use super::demo;
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
-use crate::investigate::{Budget, Loop, beliefs};
-use crate::moves::Move;
 use crate::options;
-use crate::session::Session;
-use crate::transport::Virtual;
-use diagnose::{Limits, report};
+use crate::terminal::Terminal;
+use client::{Move, Session, Virtual};
+use diagnose::Limits;
 use friction::effects::Effect;
 use haptics::{Device, Wave};
 use identify::Model;
 use plant::materials::BRASS;
+use procedures::investigate::{Budget, Loop, beliefs};
 use std::path::{Path, PathBuf};
 
 /// Options of `investigate`.
@@ -21,22 +20,22 @@ pub struct Args {
     /// Serial port of the device, or `sim` for the virtual device
     #[arg(value_name = "PORT|sim")]
     port: String,
-    /// Folder for recordings, model, diagnosis and report; a fresh one beside you when not given
+    /// Folder for recordings, model, diagnosis and report; by default a new one in the working directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// The first move
     #[arg(long, value_name = "WAVE AMP FREQ [SECONDS]", default_value_t = FIRST)]
     first: Move,
-    /// Seconds of motion that may be spent
+    /// Longest total motion, s
     #[arg(long, value_name = "SECONDS", default_value = "120", value_parser = options::seconds, allow_hyphen_values = true)]
     budget: f64,
-    /// Rounds that may be spent
+    /// Largest number of rounds
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=100))]
     rounds: u16,
     /// `sim` only: effect to conceal in the rig: an effect of the catalogue, `random` or `none`
     #[arg(long, value_name = "EFFECT")]
     conceal: Option<String>,
-    /// `sim` only: how strong it is, in times of what `demo` conceals
+    /// `sim` only: strength of the effect, relative to that in `demo`
     #[arg(long, value_name = "TIMES", default_value = "1", value_parser = options::factor, allow_hyphen_values = true)]
     size: f64,
     /// `sim` only: seed of all noise, and of the random choice
@@ -50,7 +49,7 @@ pub struct Args {
     expect: Option<String>,
 }
 
-/// The excitation of the thesis (ch. 3.5): simple, and blind to much.
+/// The excitation of [thesis, ch. 3.5]: simple, and blind to much.
 const FIRST: Move = Move { wave: Wave::Sine, amplitude: 0.01, frequency: 2.0, seconds: Some(12.0) };
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
@@ -86,13 +85,13 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         out.display()
     ));
     let limits = Limits::of_device(&Device::default());
-    let done = Loop::new(&mut session, &out, limits, notes).run(args.first, budget, &mut say)?;
+    let done = Loop::new(&mut session, &out, limits, notes, &Terminal).run(args.first, budget, &mut say)?;
 
     let file = |name: &str| out.join(name);
     let found = &done.diagnosis;
     let name = done.rounds.iter().map(|r| r.recording.as_str()).collect::<Vec<_>>().join(", ");
     files::write_json(&file("diagnosis.json"), found)?;
-    files::write(&file("report.html"), report::html(found, &name).as_bytes())?;
+    files::write(&file("report.html"), report::diagnosis(found, &name).as_bytes())?;
     if let Some(model) = &found.model {
         let model = Model { name: "investigated".into(), ..model.clone() };
         files::write(&file("model.toml"), model.to_toml().as_bytes())?;
@@ -125,7 +124,7 @@ fn is_settled(found: &diagnose::Diagnosis, effect: &str) -> bool {
 /// The line to the device, with the block mounted on the virtual one.
 fn open(port: &str, seed: u64, effect: Option<&Effect<f64>>) -> Result<Session> {
     if port != "sim" {
-        return Session::open(port, seed);
+        return Ok(Session::open(port, seed)?);
     }
     let mut device = Virtual::new(seed)?;
     let concealed: Vec<Effect<f64>> = effect.copied().into_iter().collect();

@@ -20,7 +20,7 @@ pub struct Args {
     /// Port of the page; 0 takes a free one
     #[arg(long, value_name = "N", default_value_t = 7700)]
     http_port: u16,
-    /// What opens the page; made up beyond loopback when not given
+    /// Token that opens the page; drawn at random beyond loopback when not given
     #[arg(long, value_name = "TOKEN", value_parser = token)]
     token: Option<String>,
     /// Folder for recordings, experiments and reports
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Asks the desktop to show a page; where there is none, the address was printed.
+/// Asks the desktop to show a page. Without a desktop the printed address remains.
 fn open(url: &str) {
     let program = if cfg!(target_os = "macos") {
         "open"

@@ -5,6 +5,7 @@ pub mod connect;
 pub mod convert;
 pub mod demo;
 pub mod design;
+pub mod design_args;
 mod design_grid;
 pub mod diagnose;
 pub mod experiment;

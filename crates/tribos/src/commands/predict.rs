@@ -2,32 +2,47 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::options::Mapping;
-use crate::table::number;
 use crate::{files, reading};
-use identify::{Geometry, Model};
+use identify::Model;
+use report::number::number;
+use signals::Geometry;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Options of `predict`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Model, as `identify --out` and `diagnose --out` write it
+    /// Model written by `identify --out` or `diagnose --out`
     #[arg(long, value_name = "model.toml")]
     model: PathBuf,
-    /// Recording: CSV with units in the header, or .mat (v5) or .json with --map
+    /// Recording: CSV, .mat (v5) or .json; signals named with their units, or by --map
     #[arg(value_name = "REC")]
     recording: PathBuf,
     /// Prediction to write, CSV: time_s and force_n (torque_nm) at every sample
     #[arg(long, value_name = "pred.csv")]
     out: PathBuf,
+    /// The encoder is absolute, or was homed: phases of periodic effects hold on another recording, too
+    #[arg(long)]
+    absolute: bool,
     #[command(flatten)]
     mapping: Mapping,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     files::check_writable(&args.out)?;
-    let model = Model::read(&args.model).map_err(|e| Failure::in_file(&args.model, e))?;
+    let mut model = Model::read(&args.model).map_err(|e| Failure::in_file(&args.model, e))?;
     let recording = reading::read(&args.recording, &args.mapping)?;
+    if !args.absolute && model.name != super::identify::model_name(std::slice::from_ref(&recording)) {
+        let left_out = model.without_phases();
+        if !left_out.is_empty() {
+            eprintln!(
+                "{}: {} left out: a phase along the stroke holds only while the zero of the position does; keep it with \
+                 --absolute",
+                args.recording.display(),
+                left_out.join(", ")
+            );
+        }
+    }
     let predicted = model.predict(&recording).map_err(Failure::new)?;
     let rotary = recording.geometry == Geometry::Rotary;
     let (name, unit) = if rotary { ("torque_nm", "N·m") } else { ("force_n", "N") };

@@ -3,11 +3,11 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
-use crate::library::{self, PRESETS};
-use crate::session::{Session, Settled};
-use crate::table::Table;
 use clap::Subcommand;
+use client::{Session, Settled};
 use identify::Model;
+use procedures::library::{self, PRESETS};
+use report::Table;
 use std::path::{Path, PathBuf};
 
 /// Options of `preset`.
@@ -31,7 +31,7 @@ enum Action {
 
 #[derive(Debug, clap::Args)]
 struct Show {
-    /// Name, as `preset list` has it
+    /// Name, as listed by `preset list`
     #[arg(value_name = "NAME")]
     name: String,
 }
@@ -45,7 +45,7 @@ struct Push {
     /// `diagnose --out`
     #[arg(value_name = "FILE.toml|NAME")]
     file: PathBuf,
-    /// Name on the device; the file's when not given
+    /// Name on the device; by default that in the file
     #[arg(long)]
     name: Option<String>,
 }
@@ -58,7 +58,7 @@ struct Pull {
     /// File to write
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
-    /// Preset on the device; what is active, changes included, when not given
+    /// Preset on the device; by default the active one with its changes
     #[arg(long)]
     name: Option<String>,
 }

@@ -3,13 +3,8 @@
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
 use crate::progress::Progress;
-use crate::prove::cases::{Extent, plan};
-use crate::prove::seal::{Places, seal};
-use crate::prove::tables::Proof;
-use crate::prove::{NOISE, answers, score};
-use rayon::prelude::*;
+use ::prove::{Extent, NOISE, Run};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Options of `prove`.
@@ -29,10 +24,10 @@ pub struct Args {
     /// Seed of every draw: plants, motions, noise and order
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Strengths, times the noise
+    /// Strengths, in multiples of the noise
     #[arg(long, value_name = "X,…", value_delimiter = ',', default_value = "0.3,1,2,5", value_parser = strength, allow_hyphen_values = true)]
     strengths: Vec<f64>,
-    /// Hide these effects only; the whole catalogue, pairs and recording faults otherwise
+    /// Hide only these effects; by default the whole catalogue, pairs and recording faults
     #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
     effects: Vec<String>,
     /// Folder for recordings, answers and labels; the same options continue a proof that was interrupted
@@ -41,7 +36,7 @@ pub struct Args {
     /// Write the tables as JSON, `-` for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Open the labels after so many minutes of diagnosing, whatever is answered by then
+    /// Open the labels after this number of minutes, even if some recordings are not diagnosed
     #[arg(long, value_name = "MINUTES", value_parser = minutes, allow_hyphen_values = true)]
     minutes: Option<f64>,
     /// Three effects at 5 times the noise, once each, on short recordings
@@ -67,50 +62,38 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     if let Some(path) = &args.json {
         files::check_writable(path)?;
     }
-    let known = crate::prove::effects();
+    let known = ::prove::effects();
     if let Some(unknown) = args.effects.iter().find(|e| !known.contains(&e.as_str())) {
         return Err(Failure::new(format!("--effects: `{unknown}` cannot be hidden"))
             .help(format!("accepted are {}", known.join(", "))));
     }
     let extent = extent(args);
-    let cases = plan(&extent);
-    let places = Places::new(&args.out);
-    let continued = places.prepare(&extent)?;
-    let quiet = args.json.as_deref() == Some(std::path::Path::new("-"));
+    let seconds = extent.seconds;
+    let run = Run::begin(&args.out, extent)?;
+    let (count, quiet) = (run.count(), args.json.as_deref() == Some(std::path::Path::new("-")));
     if !quiet {
         println!(
-            "{} recordings of {} s, noise of a force sample {NOISE} N{}",
-            cases.len(),
-            extent.seconds,
-            if continued { ", continued" } else { "" }
+            "{count} recordings of {seconds} s, noise of a force sample {NOISE} N{}",
+            if run.is_continued() { ", continued" } else { "" }
         );
     }
-    each("sealing recordings", cases.len(), |case| seal(&places, case, &cases[case], extent.seconds))?;
-    let count = cases.len();
-    // from here to the last answer nothing knows what is where
-    drop(cases);
-    if !places.are_labels_open() {
-        let begun = Instant::now();
-        let in_time = || args.minutes.is_none_or(|m| begun.elapsed().as_secs_f64() < 60.0 * m);
-        each("diagnosing", count, |case| if in_time() { answers::answer(&places, case) } else { Ok(()) })?;
-    }
-    let answered = places.open_labels(count)?;
-    if answered.is_empty() {
-        return Err(
-            Failure::new("no recording was answered").help("give it more --minutes and another --out")
-        );
-    }
-    let outcomes = each("opening the labels", answered.len(), |i| score::score(&places, answered[i]))?;
-    let proof = Proof::new(outcomes);
-    files::write_json(&places.file("prove.json"), &proof)?;
-    files::write(&places.file("cases.csv"), proof.cases_csv().as_bytes())?;
-    files::write(&places.file("confusion.csv"), proof.confusion_csv().as_bytes())?;
+    let bar = Progress::new("sealing recordings");
+    let progress = |what: &str, done: usize, of: usize| {
+        bar.set(done as f32 / of.max(1) as f32, &format!("{what}: {done} of {of}"));
+    };
+    run.seal(&progress)?;
+    let begun = Instant::now();
+    run.answer(|| args.minutes.is_none_or(|m| begun.elapsed().as_secs_f64() < 60.0 * m), &progress)?;
+    let (proof, answered) = run.open_labels(&progress)?.ok_or_else(|| {
+        Failure::new("no recording was answered").help("give it more --minutes and another --out")
+    })?;
+    drop(bar);
     if let Some(path) = &args.json {
         files::write_json(path, &proof)?;
     }
     if !quiet {
-        if answered.len() < count {
-            println!("{} of {count} were answered in time, in an order that was drawn", answered.len());
+        if answered < count {
+            println!("{answered} of {count} were answered in time, in an order that was drawn");
         }
         print!("{}", proof.describe());
         println!(
@@ -134,19 +117,4 @@ fn extent(args: &Args) -> Extent {
         companions: effects.is_empty(),
         effects,
     }
-}
-
-/// Works on all cases on every core; the first failure ends it, what is done stays done.
-fn each<T: Send>(what: &str, count: usize, work: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
-    let bar = Progress::new(what);
-    let done = AtomicUsize::new(0);
-    (0..count)
-        .into_par_iter()
-        .map(|case| {
-            let result = work(case);
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            bar.set(done as f32 / count.max(1) as f32, &format!("{what}: {done} of {count}"));
-            result
-        })
-        .collect()
 }

@@ -1,10 +1,9 @@
 //! `tribos record PORT|sim`
 
 use crate::failure::{Failure, Outcome, Result};
-use crate::moves::Move;
 use crate::options;
-use crate::recorder::{self, Plan};
-use crate::session::Session;
+use crate::terminal::record;
+use client::{Move, Plan, Session};
 use std::path::PathBuf;
 
 /// Options of `record`.
@@ -62,7 +61,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     if !simulated && plan.motion.is_none() {
         eprintln!("recording {seconds} s: move the handle by hand");
     }
-    let recorded = recorder::record(&mut session, &plan, &args.out)?;
+    let recorded = record(&mut session, &plan, &args.out)?;
     if args.preset.is_some() {
         session.command("render off")?;
     }

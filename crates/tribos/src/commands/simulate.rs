@@ -1,18 +1,20 @@
 //! `tribos simulate --model model.toml --move … --out rec.csv`
 
 use crate::failure::{Failure, Outcome, Result};
-use crate::moves::Move;
 use crate::options;
-use crate::simulated::{Slide, simulate};
+use crate::terminal::Terminal;
 use crate::{files, reading};
-use identify::{Geometry, Model, Recording};
+use client::{Move, Sample};
+use identify::Model;
 use plant::Layered;
+use procedures::simulated::{Slide, simulate};
+use signals::{Geometry, Recording};
 use std::path::PathBuf;
 
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Model, as `identify --out` and `diagnose --out` write it
+    /// Model written by `identify --out` or `diagnose --out`
     #[arg(long, value_name = "model.toml")]
     model: PathBuf,
     /// Motion, e.g. "sine 0.01 2 10" (m or rad, Hz, s)
@@ -21,7 +23,7 @@ pub struct Args {
     /// Recording to write, CSV
     #[arg(long, value_name = "rec.csv")]
     out: PathBuf,
-    /// Length, s, where the motion does not say it
+    /// Length, s, if the motion does not give it
     #[arg(long, default_value = "10", value_parser = options::seconds, allow_hyphen_values = true)]
     seconds: f64,
     /// Seed of the sensors' noise
@@ -35,8 +37,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     let slide: Slide =
         Layered::with(model.law, &model.effects).map_err(|e| Failure::in_file(&args.model, e))?;
     let seconds = args.motion.seconds.unwrap_or(args.seconds);
-    let (points, calibration) = simulate(slide, model.mass, &args.motion, seconds, args.seed)?;
-    let column = |f: fn(&crate::raw::Point) -> f64| points.iter().map(f).collect::<Vec<f64>>();
+    let (points, calibration) = simulate(slide, model.mass, &args.motion, seconds, args.seed, &Terminal)?;
+    let column = |f: fn(&Sample) -> f64| points.iter().map(f).collect::<Vec<f64>>();
     let start = points.first().map_or(0.0, |p| p.time);
     let offset = model.nuisances.offset;
     let mut recording = Recording {

@@ -11,9 +11,8 @@ fn fill(page: &mut Page, field: &str, value: &str) {
     ));
 }
 
-#[test]
-fn what_the_device_would_refuse_cannot_be_sent_and_is_explained() {
-    let Some(chromium) = chromium("the controls") else { return };
+pub fn what_the_device_would_refuse_cannot_be_sent_and_is_explained() {
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let lab = Lab::start(folder.path(), &["sim"]);
     let mut page = Page::of(&lab, &chromium, (1400, 950));
@@ -54,9 +53,8 @@ fn what_the_device_would_refuse_cannot_be_sent_and_is_explained() {
     page.picture("narrow");
 }
 
-#[test]
-fn a_move_is_recorded_identified_and_its_report_opens_beside() {
-    let Some(chromium) = chromium("the analysis") else { return };
+pub fn a_move_is_recorded_identified_and_its_report_opens_beside() {
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let lab = Lab::start(folder.path(), &["sim"]);
     let mut page = Page::of(&lab, &chromium, (1400, 950));
@@ -75,7 +73,7 @@ fn a_move_is_recorded_identified_and_its_report_opens_beside() {
         .find_map(|line| line.trim().strip_prefix("coulomb_p"))
         .and_then(|rest| rest.split_whitespace().next()?.parse().ok())
         .expect("coulomb_p");
-    // table 3-3, run 1
+    // [thesis, table 3-3], run 1
     assert!((coulomb / 3.4901 - 1.0).abs() < 0.03, "{coulomb} N");
     let report = page.eval("fetch('/reports/' + lab.known.done.report).then(async (r) => [r.status, (await r.text()).includes('<title>')])");
     assert_eq!(report, json!([200, true]));
@@ -91,7 +89,7 @@ fn a_move_is_recorded_identified_and_its_report_opens_beside() {
     assert_eq!(&mcap.as_array().expect("bytes")[1..], &[b'M', b'C', b'A', b'P'].map(|b| json!(b)));
     // what was found is put on the handle: judged, applied, felt
     page.eval(
-        "[...document.querySelectorAll('#done button')].find((b) => b.textContent.includes('Feel')).click()",
+        "[...document.querySelectorAll('#done button')].find((b) => b.textContent.includes('Render')).click()",
     );
     page.until("it can be applied", "!document.querySelector('#apply').disabled", 5);
     page.eval("document.querySelector('#apply').click()");

@@ -7,23 +7,24 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
+use untested::Need;
 
-/// The browser, if this machine has one. Without it a test says loudly that it checked nothing.
-pub fn chromium(test: &str) -> Option<PathBuf> {
+pub static CHROMIUM: Need =
+    Need::new(|| find().is_none().then(|| "no chromium: the page is not checked".into())).spared_in_ci();
+
+/// The browser of this machine.
+pub fn chromium() -> PathBuf {
+    find().expect("the tests of the page need it")
+}
+
+fn find() -> Option<PathBuf> {
     let named = std::env::var_os("CHROMIUM").map(PathBuf::from).filter(|path| path.exists());
-    let usual = ["chromium", "chromium-browser", "google-chrome", "chrome"].iter().find_map(|name| {
-        std::env::split_paths(&std::env::var_os("PATH")?).map(|dir| dir.join(name)).find(|path| path.exists())
-    });
-    let found = named.or(usual);
-    if found.is_none() {
-        // past the capture of the test's output
-        let _ = std::io::Write::write_all(
-            &mut std::io::stderr().lock(),
-            format!("\n== SKIPPED: {test}: no chromium on this machine; nothing of the page was checked\n")
-                .as_bytes(),
-        );
-    }
-    found
+    named.or_else(|| {
+        ["chromium", "chromium-browser", "google-chrome", "chrome"].iter().find_map(|name| {
+            let path = std::env::var_os("PATH")?;
+            std::env::split_paths(&path).map(|dir| dir.join(name)).find(|path| path.exists())
+        })
+    })
 }
 
 /// `tribos lab` as a process of its own.

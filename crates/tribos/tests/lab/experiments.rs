@@ -55,9 +55,8 @@ fn click_targets(page: &mut Page, clicks: u32) {
     }
 }
 
-#[test]
-fn a_segment_of_targeting_and_a_batch_of_forced_choice_by_script() {
-    let Some(chromium) = chromium("the experiments") else { return };
+pub fn a_segment_of_targeting_and_a_batch_of_forced_choice_by_script() {
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let lab = Lab::start(folder.path(), &["sim"]);
     let mut page = connected(&lab, &chromium);
@@ -173,9 +172,8 @@ fn a_segment_of_targeting_and_a_batch_of_forced_choice_by_script() {
     println!("{} tidy tables", tables.len());
 }
 
-#[test]
-fn what_is_finished_survives_the_death_of_server_browser_and_device() {
-    let Some(chromium) = chromium("what survives a crash") else { return };
+pub fn what_is_finished_survives_the_death_of_server_browser_and_device() {
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let mut lab = Lab::start(folder.path(), &["sim"]);
     let mut page = connected(&lab, &chromium);
@@ -198,7 +196,7 @@ fn what_is_finished_survives_the_death_of_server_browser_and_device() {
     lab.child.wait().expect("gone");
     page.until(
         "the page says so",
-        "document.querySelector('#said').textContent.includes('has gone away')",
+        "document.querySelector('#said').textContent.includes('the lab is gone')",
         10,
     );
     println!("server killed: the page says: {}", page.eval("document.querySelector('#said').textContent"));
@@ -302,9 +300,8 @@ impl Drop for Cable {
 }
 
 #[cfg(unix)]
-#[test]
-fn a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept() {
-    let Some(chromium) = chromium("a pulled cable") else { return };
+pub fn a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept() {
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let cable = Cable::plug();
     let lab = Lab::start(folder.path(), &[&cable.name]);
@@ -343,8 +340,7 @@ fn a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept() {
 }
 
 #[cfg(unix)]
-#[test]
-fn a_driven_handle_is_let_go_within_seconds_of_the_labs_death() {
+pub fn a_driven_handle_is_let_go_within_seconds_of_the_labs_death() {
     use haptics::ModeId;
     use std::sync::atomic::Ordering;
     let folder = tempfile::tempdir().expect("a folder");

@@ -35,7 +35,7 @@ fn friction_is_felt(page: &mut Page) {
     page.until("force on", "lab.known.mode === 'rendering'", 10);
     drag(page, 4.0);
     // sliding faster than rubber's Δv of 20 mm/s, 50 ms before and after. The load cell between hand and handle carries
-    // the rubber (table 3-3), and the device's own damping and mass and the block's besides
+    // the rubber [thesis, table 3-3], and the device's own damping and mass and the block's besides
     let read = page.eval(
         "(() => { const r = lab.ring; const out = { p: [0, 0, 0], n: [0, 0, 0] }; \
           const slides = (i) => Math.abs(r.at('velocity', i)) > 0.022 && r.at('mode', i) === 1; \
@@ -62,7 +62,7 @@ fn friction_is_felt(page: &mut Page) {
 }
 
 fn trace_is_live(seconds: u64) {
-    let Some(chromium) = chromium("the live trace") else { return };
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let lab = Lab::start(folder.path(), &["sim"]);
     let mut page = Page::of(&lab, &chromium, (1400, 950));
@@ -102,20 +102,16 @@ fn trace_is_live(seconds: u64) {
     paint_and_latency(&mut page);
 }
 
-#[test]
-fn the_trace_is_live_at_1_khz_and_rubber_feels_like_rubber() {
+pub fn the_trace_is_live_at_1_khz_and_rubber_feels_like_rubber() {
     trace_is_live(5);
 }
 
-#[test]
-#[ignore = "a minute; the short form is always run"]
-fn the_trace_is_live_for_a_minute() {
+pub fn the_trace_is_live_for_a_minute() {
     trace_is_live(60);
 }
 
-#[test]
-fn a_fault_is_told_in_plain_words_and_cleared_from_the_page() {
-    let Some(chromium) = chromium("a fault on the page") else { return };
+pub fn a_fault_is_told_in_plain_words_and_cleared_from_the_page() {
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let lab = Lab::start(folder.path(), &["sim"]);
     let mut page = Page::of(&lab, &chromium, (1400, 950));
@@ -147,9 +143,8 @@ fn a_fault_is_told_in_plain_words_and_cleared_from_the_page() {
     );
 }
 
-#[test]
-fn a_picture_of_a_minute_shows_the_one_sample_that_stands_out_and_the_gap() {
-    let Some(chromium) = chromium("the decimation") else { return };
+pub fn a_picture_of_a_minute_shows_the_one_sample_that_stands_out_and_the_gap() {
+    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let lab = Lab::start(folder.path(), &["sim"]);
     let mut page = Page::of(&lab, &chromium, (1000, 700));

@@ -1,0 +1,25 @@
+//! A tribos device seen from the host.
+//!
+//! ```text
+//! session     commands and their answers, and unsolicited messages
+//!   wire        bytes to lines, headers and samples; counts what is missing
+//!   transport   a serial port, or the virtual device inside this process
+//! sample      raw codes to SI, by the calibration in the stream's header
+//! recorder    a stream into a CSV file that survives a crash
+//! ```
+#![forbid(unsafe_code)]
+
+mod error;
+mod moves;
+mod recorder;
+mod sample;
+mod session;
+mod transport;
+mod wire;
+
+pub use error::{Error, Result};
+pub use moves::Move;
+pub use recorder::{Plan, Recorded, RecordingFile, record};
+pub use sample::{Calibration, Decoding, Header, Raw, Sample};
+pub use session::{Event, Session, Settled};
+pub use transport::{Port, Transport, Virtual};

@@ -1,0 +1,258 @@
+//! Records a device into a file that survives a crash.
+//!
+//! The file grows as `NAME.part`, metadata first, flushed ten times a second, and is renamed when complete. After a power cut
+//! the `.part` is a readable recording up to its last flush. A recording that is ended early is kept.
+
+use crate::error::{Error, Result};
+use crate::moves::Move;
+use crate::sample::{Header, Sample};
+use crate::session::{Event, Session};
+use signals::files::{self, FileError};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Time before a recording begins, while the excitation ramps in and settles, s.
+const WARM_UP_S: f64 = 1.5;
+/// Silence of the host after which the device releases the handle during this recording, s.
+const WATCH_S: u32 = 2;
+/// Interval of the sign of life to the device while samples arrive, s.
+const ALIVE_S: f64 = 0.25;
+/// Silence on the line that ends the stream.
+const SILENCE: Duration = Duration::from_secs(2);
+
+/// Plan of a recording.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Excitation. Without one, a person moves the handle.
+    pub motion: Option<Move>,
+    /// Length, s.
+    pub seconds: f64,
+    /// Additional metadata lines.
+    pub notes: Vec<(String, String)>,
+}
+
+/// Summary of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recorded {
+    /// Number of samples in the file.
+    pub samples: u64,
+    /// Length, s.
+    pub seconds: f64,
+    /// Number of samples lost by device or line.
+    pub lost: u64,
+    /// Whether it was ended early.
+    pub interrupted: bool,
+}
+
+/// Runs the plan and writes `path`. Calls `watch` with the recorded share many times a second; `watch` can end the recording
+/// early.
+///
+/// # Errors
+/// The device refuses a command, falls silent or stops on a fault; the file cannot be written; the recording was ended
+/// before its first sample.
+pub fn record(
+    session: &mut Session,
+    plan: &Plan,
+    path: &Path,
+    watch: &mut dyn FnMut(f32) -> ControlFlow<()>,
+) -> Result<Recorded> {
+    files::check_writable(path)?;
+    let mut patience = None;
+    let warm_up = if let Some(motion) = &plan.motion {
+        // the silence limit is the user's choice: it is restored afterwards
+        patience = session.command("watch")?.split_whitespace().nth(2).map(str::to_owned);
+        session.command(&format!("watch {WATCH_S}"))?;
+        let length = plan.seconds + WARM_UP_S + 0.1;
+        session.command(&format!(
+            "move {} {} {} {length}",
+            motion.wave.id(),
+            motion.amplitude,
+            motion.frequency
+        ))?;
+        WARM_UP_S
+    } else {
+        0.0
+    };
+    session.command("stream on")?;
+    let outcome = take(session, plan, path, warm_up, watch);
+    // the device is always left quiet; the first failure is reported
+    let ending = if plan.motion.is_some() && !matches!(outcome, Ok(Recorded { interrupted: false, .. })) {
+        "off"
+    } else {
+        "stop"
+    };
+    let quiet = session.command(ending).and_then(|_| session.command("stream off"));
+    let quiet =
+        match patience.map(|seconds| if seconds.starts_with("off") { "0".to_owned() } else { seconds }) {
+            Some(seconds) => quiet.and_then(|_| session.command(&format!("watch {seconds}"))),
+            None => quiet,
+        };
+    let recorded = outcome.map_err(|error| {
+        let part = files::part(path);
+        if part.exists() { Error::Partial { error: Box::new(error), part } } else { error }
+    })?;
+    quiet?;
+    Ok(recorded)
+}
+
+fn take(
+    session: &mut Session,
+    plan: &Plan,
+    path: &Path,
+    warm_up: f64,
+    watch: &mut dyn FnMut(f32) -> ControlFlow<()>,
+) -> Result<Recorded> {
+    let mut header: Option<Header> = None;
+    let mut file: Option<RecordingFile> = None;
+    let mut lost = 0;
+    let mut heard = Instant::now();
+    let mut last = 0.0;
+    let mut last_sign = f64::NEG_INFINITY;
+    loop {
+        let events = session.poll()?;
+        if heard.elapsed() > SILENCE {
+            return Err(Error::Silent { port: session.name().to_owned(), seconds: SILENCE.as_secs() });
+        }
+        for event in events {
+            if !matches!(event, Event::Text(_)) {
+                heard = Instant::now();
+            }
+            match event {
+                Event::Header(h) => header = Some(h),
+                Event::Lost(frames) if file.is_some() => lost += frames,
+                Event::Lost(_) => {}
+                // `command` reads answers; unsolicited messages are not part of a recording
+                Event::Text(_) => {}
+                Event::Sample(sample) => {
+                    let Some(header) = &header else { continue };
+                    if let Some(fault) = fault_of(&sample) {
+                        return Err(Error::Fault { port: session.name().to_owned(), fault });
+                    }
+                    let time = sample.time - warm_up;
+                    if time - last_sign > ALIVE_S {
+                        last_sign = time;
+                        session.send_line("")?;
+                    }
+                    if time < -1e-9 {
+                        continue;
+                    }
+                    if time >= plan.seconds - 0.5 * header.sample_period() {
+                        return finish(file, path, last, lost, false);
+                    }
+                    if file.is_none() {
+                        file = Some(RecordingFile::create(path, &header.notes(), plan)?);
+                    }
+                    let Some(open) = file.as_mut() else { continue };
+                    // a sample missed by the device is also lost, and shows as a gap in time
+                    open.write(&Sample { time, ..sample })?;
+                    last = time;
+                }
+            }
+        }
+        if watch((last / plan.seconds) as f32).is_break() {
+            return finish(file, path, last, lost, true);
+        }
+    }
+}
+
+fn fault_of(sample: &Sample) -> Option<String> {
+    (sample.fault != 0).then(|| match haptics::FaultKind::from_code(sample.fault) {
+        Some(kind) => kind.explain().to_string(),
+        None => format!("number {}", sample.fault),
+    })
+}
+
+fn finish(
+    file: Option<RecordingFile>,
+    path: &Path,
+    seconds: f64,
+    lost: u64,
+    interrupted: bool,
+) -> Result<Recorded> {
+    let Some(file) = file else {
+        return Err(Error::Interrupted(path.to_owned()));
+    };
+    let samples = file.finish(lost)?;
+    Ok(Recorded { samples, seconds, lost, interrupted })
+}
+
+/// A growing recording file.
+pub struct RecordingFile {
+    path: PathBuf,
+    out: BufWriter<File>,
+    samples: u64,
+    flushed: Instant,
+}
+
+impl RecordingFile {
+    /// Creates the file. `heads` are the metadata lines of the stream's header.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn create(path: &Path, heads: &[(String, String)], plan: &Plan) -> Result<Self> {
+        let file = File::create(files::part(path)).map_err(|e| FileError::unwritable(path, &e))?;
+        let mut out = BufWriter::new(file);
+        write_head(&mut out, heads, plan).map_err(|e| FileError::unwritable(path, &e))?;
+        Ok(Self { path: path.to_owned(), out, samples: 0, flushed: Instant::now() })
+    }
+
+    /// Appends a sample.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self, sample: &Sample) -> Result<()> {
+        self.samples += 1;
+        let flush = self.flushed.elapsed() > Duration::from_millis(100);
+        let written =
+            write_row(&mut self.out, sample).and_then(|()| if flush { self.out.flush() } else { Ok(()) });
+        if flush {
+            self.flushed = Instant::now();
+        }
+        Ok(written.map_err(|e| FileError::unwritable(&self.path, &e))?)
+    }
+
+    /// Completes and renames the file. Returns its number of samples.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(mut self, lost: u64) -> Result<u64> {
+        let part = files::part(&self.path);
+        writeln!(self.out, "# lost_samples: {lost}")
+            .and_then(|()| self.out.flush())
+            .and_then(|()| self.out.get_ref().sync_all())
+            .and_then(|()| std::fs::rename(&part, &self.path))
+            .map_err(|e| FileError::unwritable(&self.path, &e))?;
+        Ok(self.samples)
+    }
+
+    /// Removes the unfinished file.
+    pub fn discard(self) {
+        // a `.part` file left by a crash is not a recording
+        let _ = std::fs::remove_file(files::part(&self.path));
+    }
+}
+
+/// Metadata lines and the header of a recording.
+fn write_head(out: &mut impl Write, notes: &[(String, String)], plan: &Plan) -> std::io::Result<()> {
+    writeln!(out, "# recorded_by: tribos {}", env!("CARGO_PKG_VERSION"))?;
+    if let Some(motion) = &plan.motion {
+        writeln!(out, "# move: {} {} {}", motion.wave.id(), motion.amplitude, motion.frequency)?;
+    }
+    for (key, value) in plan.notes.iter().chain(notes) {
+        // a line break in a note would end the comment
+        writeln!(out, "# {key}: {}", value.replace(['\n', '\r'], " "))?;
+    }
+    writeln!(out, "time_s,position_m,velocity_m_s,acceleration_m_s2,force_n,command_n,reference_m")
+}
+
+/// One sample, with more digits than any sensor resolves.
+fn write_row(out: &mut impl Write, s: &Sample) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{:.6},{:.8},{:.7},{:.5},{:.6},{:.6},{:.8}",
+        s.time, s.position, s.velocity, s.acceleration, s.force, s.command, s.reference
+    )
+}

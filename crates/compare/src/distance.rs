@@ -1,0 +1,283 @@
+//! From two friction curves to a distance in just noticeable differences.
+
+use crate::fit::{BLOCKS, Bins, Levels, Measured};
+use crate::{Error, Jnd};
+use identify::Identification;
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+/// Student's t for 95 % and the parts that are left out.
+const T95: f64 = 2.262;
+const _: () = assert!(BLOCKS == 10);
+
+/// A number and its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Interval {
+    /// The number.
+    pub value: f64,
+    /// Its 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// Friction at one speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Point {
+    /// m/s, negative in reverse.
+    pub velocity: f64,
+    /// N, magnitude.
+    pub real: f64,
+    /// N, magnitude, without the device's own where that was recorded.
+    pub rendered: f64,
+    /// Standard deviation of the difference, N.
+    pub std: f64,
+    /// What a hand notices there, N.
+    pub jnd: f64,
+    /// Of the time both spend.
+    pub weight: f64,
+}
+
+/// Break-away in one direction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Breakaway {
+    /// `forward` or `reverse`.
+    pub direction: &'static str,
+    /// N.
+    pub real: f64,
+    /// N.
+    pub rendered: f64,
+    /// Standard deviation of the difference, N.
+    pub std: f64,
+    /// N.
+    pub jnd: f64,
+}
+
+/// What the ratio says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The ratio's interval is within the margin
+    Same,
+    /// The ratio's interval is completely beyond the margin
+    Different,
+    /// Neither of these
+    Undecided,
+}
+
+/// The comparison.
+#[derive(Debug, Clone, Serialize)]
+pub struct Comparison {
+    /// Version of the layout.
+    pub schema: &'static str,
+    /// The real block's recording.
+    pub real: String,
+    /// The rendered block's.
+    pub rendered: String,
+    /// The device's alone.
+    pub bare: Option<String>,
+    /// JND.
+    pub distance: Interval,
+    /// Its part while sliding, JND².
+    pub sliding_squared: f64,
+    /// Its part at break-away, JND²; None where a recording does not tell it.
+    pub breakaway_squared: Option<f64>,
+    /// Rendered over real friction.
+    pub ratio: Interval,
+    /// Largest relative difference of friction that counts as the same.
+    pub margin: f64,
+    /// What the ratio says.
+    pub verdict: Verdict,
+    /// Bin by bin.
+    pub points: Vec<Point>,
+    /// By direction.
+    pub breakaway: Vec<Breakaway>,
+    /// Masses of real and rendered block, kg, where identified. [thesis, ch. 5.4.2] has no JND for mass.
+    pub mass: [Option<f64>; 2],
+    /// What was found at fault, by recording.
+    pub faults: Vec<(String, String)>,
+    /// What a reader must know.
+    pub notes: Vec<String>,
+    /// What is drawn.
+    #[serde(skip)]
+    pub curves: Curves,
+}
+
+/// What is drawn.
+#[derive(Debug, Clone)]
+pub struct Curves {
+    /// Of speed.
+    pub bins: Bins,
+    /// Of the real block.
+    pub real: Levels,
+    /// Of the rendered one.
+    pub rendered: Levels,
+    /// Of the device alone.
+    pub bare: Option<Levels>,
+}
+
+/// Compares; `bare` is the device alone, moved as in `rendered`, whose resistance is taken off.
+///
+/// # Errors
+/// The recordings have no speed in common, or one does not tell inertia and friction apart.
+pub fn compare(
+    real: &Measured,
+    rendered: &Measured,
+    bare: Option<&Measured>,
+    margin: f64,
+) -> Result<Comparison, Error> {
+    let all: Vec<&Measured> = [Some(real), Some(rendered), bare].into_iter().flatten().collect();
+    let bins = Bins::common(&all)?;
+    let of_real = Levels::fit(real, &bins)?;
+    let of_rendered = Levels::fit(rendered, &bins)?;
+    let of_bare = bare.map(|bare| Levels::fit(bare, &bins)).transpose()?;
+    let n = of_real.level.len();
+    let own = of_bare.as_ref().map_or_else(|| DVector::zeros(n), |b| b.level.clone());
+    let own_covariance = of_bare.as_ref().map_or_else(|| DMatrix::zeros(n, n), |b| b.covariance.clone());
+    let felt = &of_rendered.level - own;
+    let felt_covariance = &of_rendered.covariance + own_covariance;
+    // time both spend
+    let both: Vec<f64> = of_real.share.iter().zip(&of_rendered.share).map(|(a, b)| a.min(*b)).collect();
+    let sum: f64 = both.iter().sum();
+    let speeds = bins.speeds();
+    let ways: Vec<f64> = speeds.iter().map(|v| v.signum()).collect();
+    let covariance = &of_real.covariance + &felt_covariance;
+    let points: Vec<Point> = (0..n)
+        .map(|k| {
+            let (level, other) = (ways[k] * of_real.level[k], ways[k] * felt[k]);
+            Point {
+                velocity: speeds[k],
+                real: level,
+                rendered: other,
+                std: covariance[(k, k)].max(0.0).sqrt(),
+                jnd: Jnd::sliding(level, other - level),
+                weight: both[k] / sum,
+            }
+        })
+        .collect();
+    let sliding = {
+        let off = DVector::from_iterator(n, points.iter().map(|p| (p.rendered - p.real) / p.jnd));
+        // in JND, and signed as the magnitudes are
+        let unit = |k: usize| ways[k] / points[k].jnd;
+        let noise = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] * unit(i) * unit(j));
+        Squared::of(&off, &DVector::from_iterator(n, points.iter().map(|p| p.weight)), &noise)
+    };
+    let breakaway = breakaways(&real.identified, &rendered.identified);
+    let static_part =
+        (!breakaway.is_empty()).then(|| {
+            let n = breakaway.len();
+            let off = DVector::from_iterator(n, breakaway.iter().map(|b| (b.rendered - b.real) / b.jnd));
+            let noise = DMatrix::from_fn(n, n, |i, j| {
+                if i == j { (breakaway[i].std / breakaway[i].jnd).powi(2) } else { 0.0 }
+            });
+            Squared::of(&off, &DVector::from_element(n, 1.0 / n as f64), &noise)
+        });
+    let total = Squared {
+        value: sliding.value + static_part.map_or(0.0, |s| s.value),
+        variance: sliding.variance + static_part.map_or(0.0, |s| s.variance),
+    };
+    let ratio = ratio(&points, &ways, &of_real.covariance, &felt_covariance);
+    let [low, high] = ratio.ci95;
+    let verdict = if low >= 1.0 - margin && high <= 1.0 + margin {
+        Verdict::Same
+    } else if low > 1.0 + margin || high < 1.0 - margin {
+        Verdict::Different
+    } else {
+        Verdict::Undecided
+    };
+    Ok(Comparison {
+        schema: "tribos.comparison/1",
+        real: real.name.clone(),
+        rendered: rendered.name.clone(),
+        bare: bare.map(|bare| bare.name.clone()),
+        distance: total.root(),
+        sliding_squared: sliding.value,
+        breakaway_squared: static_part.map(|s| s.value),
+        ratio,
+        margin,
+        verdict,
+        points,
+        breakaway,
+        mass: {
+            let of = |measured: &Measured| measured.identified.value("mass");
+            let own = bare.map_or(Some(0.0), of);
+            [of(real), of(rendered).zip(own).map(|(all, own)| all - own)]
+        },
+        faults: all
+            .iter()
+            .flat_map(|m| m.faults.iter().map(|fault| (m.name.clone(), fault.why.clone())))
+            .collect(),
+        notes: notes(&all, bare.is_some()),
+        curves: Curves { bins, real: of_real, rendered: of_rendered, bare: of_bare },
+    })
+}
+
+/// A square with what noise adds to it taken off.
+#[derive(Debug, Clone, Copy)]
+struct Squared {
+    value: f64,
+    variance: f64,
+}
+
+impl Squared {
+    /// d'Wd − tr(WΣ), variance 4·d'WΣWd + 2·tr((WΣ)²).
+    fn of(off: &DVector<f64>, weight: &DVector<f64>, noise: &DMatrix<f64>) -> Self {
+        let weighted = off.component_mul(weight);
+        let both = DMatrix::from_diagonal(weight) * noise;
+        Self {
+            value: off.dot(&weighted) - both.trace(),
+            variance: 4.0 * (weighted.transpose() * noise * &weighted)[0] + 2.0 * (&both * &both).trace(),
+        }
+    }
+
+    fn root(self) -> Interval {
+        let root = |square: f64| square.max(0.0).sqrt();
+        let half = T95 * root(self.variance);
+        Interval { value: root(self.value), ci95: [root(self.value - half), root(self.value + half)] }
+    }
+}
+
+fn ratio(points: &[Point], ways: &[f64], of_real: &DMatrix<f64>, of_felt: &DMatrix<f64>) -> Interval {
+    let n = points.len();
+    let scale: f64 = points.iter().map(|p| p.weight * p.real * p.real).sum();
+    let gain = DVector::from_iterator(
+        n,
+        points.iter().zip(ways).map(|(p, way)| way * p.weight * p.real / scale.max(f64::MIN_POSITIVE)),
+    );
+    let value: f64 = points.iter().map(|p| p.weight * p.real * p.rendered).sum::<f64>() / scale;
+    let variance = (gain.transpose() * (of_felt + of_real * (value * value)) * &gain)[0];
+    let half = T95 * variance.max(0.0).sqrt();
+    Interval { value, ci95: [value - half, value + half] }
+}
+
+fn breakaways(real: &Identification, rendered: &Identification) -> Vec<Breakaway> {
+    let of = |direction: &'static str, name: &str| {
+        // a static level below the sliding one is a step that the filter blurred away
+        let told = |found: &'_ Identification| {
+            let level = found.parameters.get(name)?.clone();
+            let sliding = found.value(&name.replace("static", "coulomb"))?;
+            (level.value >= sliding).then_some(level)
+        };
+        let (a, b) = (told(real)?, told(rendered)?);
+        Some(Breakaway {
+            direction,
+            real: a.value,
+            rendered: b.value,
+            std: a.std.hypot(b.std),
+            jnd: Jnd::breakaway(a.value),
+        })
+    };
+    [of("forward", "static_p"), of("reverse", "static_n")].into_iter().flatten().collect()
+}
+
+fn notes(all: &[&Measured], bare: bool) -> Vec<String> {
+    let mut notes = Vec::new();
+    for m in all.iter().filter(|m| m.turned) {
+        notes.push(format!(
+            "{}: the load cell sees the hand from the other side; its sign was turned",
+            m.name
+        ));
+    }
+    if !bare && all.iter().any(|m| m.turned) {
+        notes.push("what the device itself resists is in the rendered recording; --bare takes it off".into());
+    }
+    notes
+}

@@ -1,0 +1,50 @@
+//! Just noticeable differences of friction.
+
+/// Just noticeable differences of [thesis, ch. 5], as shares of the level they were found at.
+pub struct Jnd;
+
+impl Jnd {
+    /// Level of the reference, N [thesis, table 5-3].
+    const REFERENCE: f64 = 2.0;
+    /// Both levels raised, N (batch 1).
+    const HIGHER: f64 = 0.78;
+    /// Both levels lowered, N (batch 3).
+    const LOWER: f64 = 0.36;
+    /// The static level raised alone, N: extrapolated in [thesis, ch. 5.4.2], because the levels of batch 2 do not reach it.
+    // not π
+    #[allow(clippy::approx_constant)]
+    const STATIC: f64 = 3.14;
+    /// Below this level, N, the JND stays what it is there: a twentieth of the reference, far from where anything was
+    /// measured.
+    const SMALLEST: f64 = 0.1;
+
+    fn at(level: f64, at_reference: f64) -> f64 {
+        at_reference / Self::REFERENCE * level.abs().max(Self::SMALLEST)
+    }
+
+    /// Of friction at `level` N against one that is `difference` N higher or lower.
+    #[must_use]
+    pub fn sliding(level: f64, difference: f64) -> f64 {
+        Self::at(level, if difference < 0.0 { Self::LOWER } else { Self::HIGHER })
+    }
+
+    /// Of a break-away force of `level` N.
+    #[must_use]
+    pub fn breakaway(level: f64) -> f64 {
+        Self::at(level, Self::STATIC)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Jnd;
+
+    #[test]
+    fn the_thesis_s_own_levels_are_one_jnd_apart() {
+        assert!((Jnd::sliding(2.0, 0.78) - 0.78).abs() < 1e-12);
+        assert!((Jnd::sliding(2.0, -0.36) - 0.36).abs() < 1e-12);
+        assert!((Jnd::breakaway(2.0) - Jnd::STATIC).abs() < 1e-12);
+        assert!((Jnd::sliding(4.0, 0.1) - 1.56).abs() < 1e-12, "Weber");
+        assert!(Jnd::sliding(0.0, 0.1) > 0.0);
+    }
+}

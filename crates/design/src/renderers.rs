@@ -1,0 +1,164 @@
+//! What each renderer makes of a preset through the sensors of the device: errors of its force, creep and noise at rest.
+
+use crate::closed::{self, DELAY, Error};
+use haptics::{Device, RendererKind, Settings};
+use std::f64::consts::TAU;
+
+/// What was measured of one renderer.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured {
+    /// Which.
+    pub renderer: RendererKind,
+    /// rms difference to the law at the true velocity while sliding at 20 mm/s, N.
+    pub sliding_error: f64,
+    /// Force at which a slowly growing push moves what rubs, less the static friction, N.
+    pub break_away_error: f64,
+    /// Drift of the handle under a hand that presses and holds still, m/s.
+    pub creep: f64,
+    /// rms of the force about its mean meanwhile, N.
+    pub noise: f64,
+    /// Energy that the renderer gives to a trembling handle, stuck, J a cycle; negative: takes.
+    pub energy: f64,
+}
+
+/// A relaxed hand: mass kg, damping N·s/m, stiffness N/m.
+const HAND: (f64, f64, f64) = (0.1, 6.0, 400.0);
+/// A hand that leads the handle along a path: stiffer.
+const LEADING: (f64, f64, f64) = (0.3, 60.0, 5_000.0);
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Every renderer with this preset on the device of [thesis, table 3-1].
+///
+/// # Errors
+/// A preset that the device refuses under one of them.
+pub fn measure(preset: &Settings) -> Result<Vec<Measured>, Error> {
+    RendererKind::ALL.iter().map(|&renderer| one(&Settings { renderer, ..*preset })).collect()
+}
+
+fn one(settings: &Settings) -> Result<Measured, Error> {
+    let device = Device { delay: DELAY as f32, ..Device::default() };
+    let (creep, noise) = at_rest(settings, &device)?;
+    Ok(Measured {
+        renderer: settings.renderer,
+        sliding_error: sliding(settings, &device)?,
+        break_away_error: break_away(settings, &device)?,
+        creep,
+        noise,
+        energy: trembling(settings, &device)?,
+    })
+}
+
+/// Led to and fro at 20 mm/s.
+fn sliding(settings: &Settings, device: &Device) -> Result<f64, Error> {
+    const SPEED: f64 = 0.02;
+    const LENGTH: f64 = 0.02;
+    let (mass, damping, stiffness) = LEADING;
+    let path = |t: f64| {
+        let along = (SPEED * (t - 1.0)) % (2.0 * LENGTH);
+        if along < LENGTH { (along - 0.5 * LENGTH, SPEED) } else { (1.5 * LENGTH - along, -SPEED) }
+    };
+    let wide = |x: f32| f64::from(x);
+    let mut errors = Vec::new();
+    let hand = |t, x, v| {
+        let (to, speed) = path(t);
+        // taken to the start of the path first
+        let (to, speed) = if t < 1.0 { (-0.5 * LENGTH * t, -0.5 * LENGTH) } else { (to, speed) };
+        stiffness * (to - x) + damping * (speed - v)
+    };
+    closed::run(settings, device, 5.0, mass, hand, |out, truth| {
+        // half a second after every turn
+        let since_turn = truth.time % (LENGTH / SPEED);
+        if truth.time > 2.0 && since_turn > 0.5 && since_turn < 0.95 {
+            let v = truth.velocity;
+            let law = if v > 0.0 {
+                wide(settings.f_dynamic_p) + wide(settings.damping_p) * v
+            } else {
+                -wide(settings.f_dynamic_n) + wide(settings.damping_n) * v
+            };
+            errors.push(-wide(out.force) - law);
+        }
+    })?;
+    Ok(rms(&errors))
+}
+
+/// Pushed by 0.5 N more every second.
+fn break_away(settings: &Settings, device: &Device) -> Result<f64, Error> {
+    const GROWTH: f64 = 0.5;
+    let (mass, damping, _) = HAND;
+    let fixed = f64::from(settings.f_static_p);
+    let mut broke = f64::NAN;
+    let seconds = (fixed + 1.0) / GROWTH;
+    let spring = fixed / f64::from(settings.k_vc);
+    let mut start = None;
+    // a handle that runs away is let go: it broke before
+    let _ = closed::run(
+        settings,
+        device,
+        seconds,
+        mass,
+        |t, _, v| GROWTH * t - damping * v,
+        |_, truth| {
+            let from = *start.get_or_insert(truth.position);
+            // ten counts beyond what the spring gives
+            let beyond = 10.0 * f64::from(device.metre_per_count);
+            if broke.is_nan() && truth.position - from > 1.05 * spring + beyond {
+                broke = GROWTH * truth.time;
+            }
+        },
+    );
+    Ok(broke - fixed)
+}
+
+/// Slid to where it is pressed with 60 % of the break-away force, and held still there. Creep m/s, noise N.
+fn at_rest(settings: &Settings, device: &Device) -> Result<(f64, f64), Error> {
+    const SECONDS: f64 = 8.0;
+    let (mass, damping, stiffness) = HAND;
+    let moving = f64::from(settings.f_dynamic_p);
+    let pressed = 0.6 * f64::from(settings.f_static_p);
+    // over 4 mm in a second, then back by what the load is to fall
+    let path = |t: f64| {
+        let forward = 4e-3 * t.min(1.0) + moving / stiffness * t.min(1.0);
+        forward - (moving - pressed).max(0.0) / stiffness * (2.0 * (t - 1.0)).clamp(0.0, 1.0)
+    };
+    let hand = |t, x, v| stiffness * (path(t) - x) - damping * v;
+    let (mut early, mut late, mut forces) = (Vec::new(), Vec::new(), Vec::new());
+    closed::run(settings, device, SECONDS, mass, hand, |out, truth| {
+        if truth.time > SECONDS - 3.5 {
+            forces.push(f64::from(out.force));
+            let half = 0.5;
+            if truth.time < SECONDS - 3.5 + half {
+                early.push(truth.position);
+            } else if truth.time > SECONDS - half {
+                late.push(truth.position);
+            }
+        }
+    })?;
+    let middle = mean(&forces);
+    let noise: Vec<f64> = forces.iter().map(|f| f - middle).collect();
+    Ok(((mean(&late) - mean(&early)).abs() / 3.0, rms(&noise)))
+}
+
+/// Led to and fro by 50 µm at 8 Hz, below break-away.
+fn trembling(settings: &Settings, device: &Device) -> Result<f64, Error> {
+    const HZ: f64 = 8.0;
+    let (mass, damping, stiffness) = LEADING;
+    let hand = |t: f64, x: f64, v: f64| {
+        let (to, speed) = (50e-6 * (TAU * HZ * t).sin(), 50e-6 * TAU * HZ * (TAU * HZ * t).cos());
+        stiffness * (to - x) + damping * (speed - v)
+    };
+    let (mut given, mut last) = (0.0, None);
+    closed::run(settings, device, 3.0, mass, hand, |out, truth| {
+        if let Some((x, force)) = last.filter(|_| truth.time > 1.0) {
+            given += force * (truth.position - x);
+        }
+        last = Some((truth.position, f64::from(out.force)));
+    })?;
+    Ok(given / (2.0 * HZ))
+}

@@ -1,0 +1,375 @@
+//! From channels to a regression: columns of the baseline and of effects, rows in blocks, and one more draw of the
+//! sensors' noise.
+
+use crate::library::applied_force::AppliedForce;
+use crate::library::baseline::{BACKWARD, BASELINE, FORWARD, Physics};
+use crate::library::series;
+use crate::library::term::{Term, TermKind};
+use crate::preparation::track::{Reversals, Track};
+use crate::regression::linear::{Blocks, fit};
+use friction::Motion;
+use friction::effects::{EffectKind, MAX_GAINS, MAX_MEMORY, MAX_SHAPE, SeriesKind};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use signals::{Channels, central_difference, noise_std};
+
+/// Sums of the columns that share a gain.
+pub fn gather(all: &[Vec<f64>], groups: &[&[usize]]) -> Vec<Vec<f64>> {
+    groups
+        .iter()
+        .map(|members| {
+            let mut sum = vec![0.0; all.first().map_or(0, Vec::len)];
+            for column in members.iter().filter_map(|m| all.get(*m)) {
+                for (s, x) in sum.iter_mut().zip(column) {
+                    *s += x;
+                }
+            }
+            sum
+        })
+        .collect()
+}
+
+/// Everything the regressors are made from, and how rows become blocks.
+#[derive(Debug, Clone)]
+pub struct DesignMatrix {
+    /// Gap-free stretches, in order of time within a recording.
+    pub tracks: Vec<Track>,
+    /// Share of each row's samples that are used.
+    pub share: Vec<f64>,
+    /// Blocks of rows.
+    pub blocks: Blocks,
+    /// Filtered, masked force.
+    pub y: Vec<f64>,
+    /// The same for the baseline's columns.
+    pub baseline: Vec<Vec<f64>>,
+    /// Which of [`BASELINE`] are the first columns of `baseline`: those of a direction in which the body does not move
+    /// are not there.
+    pub present: Vec<usize>,
+    /// The delay of the force is the column of the baseline behind them.
+    pub delay: bool,
+}
+
+impl DesignMatrix {
+    /// The body moves in one direction only.
+    pub fn is_one_way(&self) -> bool {
+        self.present.len() < BASELINE.len()
+    }
+
+    /// Baseline of a fit. A direction that was not seen is given what the other has.
+    pub fn physics(&self, coefficients: &[f64]) -> Physics {
+        let of = |wanted: usize| Some(coefficients[self.present.iter().position(|p| *p == wanted)?]);
+        let other = [0, 2, 1, 4, 3];
+        std::array::from_fn(|i| of(i).or_else(|| of(other[i])).unwrap_or(0.0))
+    }
+
+    /// Rows of a series per track that is already filtered.
+    pub fn rows(&self, of: impl Fn(&Track) -> Vec<f64>) -> Vec<f64> {
+        let mut out = Vec::with_capacity(self.share.len());
+        for track in &self.tracks {
+            track.rows(&of(track), &mut out);
+        }
+        out
+    }
+
+    /// Effective number of rows in each block.
+    pub fn block_weight(&self) -> Vec<f64> {
+        (0..self.blocks.len()).map(|k| self.blocks.rows(k).map(|r| self.share[r]).sum()).collect()
+    }
+
+    /// Columns of a term, one per free gain.
+    pub fn columns(&self, term: &Term) -> Vec<Vec<f64>> {
+        gather(&self.all_columns(term.kind, &term.shape), term.free_gains())
+    }
+
+    /// Columns of an effect, one per gain.
+    pub fn all_columns(&self, kind: TermKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+        match kind {
+            TermKind::Series(kind) => self.series_columns(kind, shape),
+            TermKind::Force(kind) => self.force_columns(kind, shape),
+        }
+    }
+
+    fn series_columns(&self, kind: SeriesKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+        let column = |gain: usize| {
+            let mut out = Vec::with_capacity(self.share.len());
+            for track in &self.tracks {
+                track.rows(&track.pass(&series::column(track, kind, gain, shape)), &mut out);
+            }
+            out
+        };
+        (0..kind.about().gains.len()).map(column).collect()
+    }
+
+    fn force_columns(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+        match kind.gains().len() {
+            0 | 1 => self.force_lanes::<1>(kind, shape),
+            2 => self.force_lanes::<2>(kind, shape),
+            3 => self.force_lanes::<3>(kind, shape),
+            _ => self.force_lanes::<MAX_GAINS>(kind, shape),
+        }
+    }
+
+    /// Rows of the force per unit of each of `L` gains.
+    fn force_lanes<const L: usize>(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::with_capacity(self.share.len()); L];
+        for (track, series) in self.tracks.iter().zip(self.units::<L>(kind, shape)) {
+            track.passed_rows(&series, &mut out);
+        }
+        out
+    }
+
+    /// Force per unit of each of `L` gains at every sample of every track; memory runs through the gaps of a recording.
+    pub(crate) fn units<const L: usize>(
+        &self,
+        kind: EffectKind,
+        shape: &[f64; MAX_SHAPE],
+    ) -> Vec<Vec<[f64; L]>> {
+        let mut memory = [0.0; MAX_MEMORY];
+        let mut previous: Option<&Track> = None;
+        let mut out = Vec::with_capacity(self.tracks.len());
+        for track in &self.tracks {
+            match previous {
+                Some(last) if last.raw.recording == track.raw.recording => {
+                    let gap = track.raw.start - last.time(last.len());
+                    let jump = track.x[0] - last.x[last.len() - 1];
+                    if gap > 0.0 {
+                        let motion =
+                            Motion { dt: gap, displacement: jump, velocity: jump / gap, ..motion(track, 0) };
+                        kind.unit(shape, &mut memory, &motion);
+                    }
+                }
+                _ => memory = [0.0; MAX_MEMORY],
+            }
+            let sample = |i: usize| {
+                let unit = kind.unit(shape, &mut memory, &motion(track, i));
+                std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
+            };
+            out.push((0..track.len()).map(sample).collect());
+            previous = Some(track);
+        }
+        out
+    }
+}
+
+/// The motion of sample `i` as a law sees it; the direction is the track's, which does not flicker in noise.
+fn motion(track: &Track, i: usize) -> Motion<f64> {
+    let displacement = if i > 0 { track.x[i] - track.x[i - 1] } else { 0.0 };
+    let speed = track.v[i] * track.sign[i];
+    Motion {
+        dt: track.raw.dt,
+        position: track.x[i],
+        displacement,
+        velocity: track.sign[i] * speed.max(1e-12),
+        applied: track.force_model[i],
+        mass: 0.0,
+        normal: track.normal.as_ref().map(|n| n[i]),
+    }
+}
+
+/// Share of the samples in use below which those that go the other way are strays, a few where the body gets going or
+/// comes to rest.
+const STRAYS: f64 = 0.01;
+
+/// Which of [`BASELINE`] the motion has something to say about. Strays of the other direction are set aside.
+fn directions(tracks: &mut [Track]) -> Vec<usize> {
+    let used = |forward: bool| -> f64 {
+        let of = |t: &Track| {
+            t.sign.iter().zip(&t.mask).filter(|(s, _)| (**s > 0.0) == forward).map(|(_, m)| m).sum::<f64>()
+        };
+        tracks.iter().map(of).sum()
+    };
+    let (forward, backward) = (used(true), used(false));
+    let stray = |few: f64| few < STRAYS * (forward + backward);
+    let (present, wanted) = match (stray(backward), stray(forward)) {
+        (true, _) => (FORWARD.to_vec(), 1.0),
+        (_, true) => (BACKWARD.to_vec(), -1.0),
+        _ => return (0..BASELINE.len()).collect(),
+    };
+    for t in tracks {
+        for (mask, sign) in t.mask.iter_mut().zip(&t.sign) {
+            if *sign != wanted {
+                *mask = 0.0;
+            }
+        }
+    }
+    present
+}
+
+/// Fewest rows that can be split into blocks, fitted and held out.
+pub const FEWEST_ROWS: usize = 60;
+
+/// Cuts rows into blocks of about equal length that do not cross stretches.
+fn cut(tracks: &[Track]) -> Blocks {
+    let total: usize = tracks.iter().map(Track::row_count).sum();
+    let wanted = (total / 20).clamp(8, 48);
+    let mut edges = vec![0];
+    let (mut starts, mut recordings) = (Vec::new(), Vec::new());
+    let mut from = 0;
+    for track in tracks {
+        let rows = track.row_count();
+        let count = ((rows * wanted + total / 2) / total.max(1)).max(1);
+        for b in 0..count {
+            edges.push(from + (b + 1) * rows / count);
+            starts.push(b == 0);
+            recordings.push(track.raw.recording);
+        }
+        from += rows;
+    }
+    Blocks { edges, starts, recordings, ..Blocks::default() }
+}
+
+impl DesignMatrix {
+    /// Filters `stretches` at `cutoff` Hz and fits the baseline once. None when too few rows are left.
+    ///
+    /// With `delay` the time between force and position is fitted jointly with everything else: a sixth column of
+    /// the baseline.
+    pub fn new(stretches: &[Channels], cutoff: f64, reversals: Reversals, delay: bool) -> Option<Self> {
+        let mut tracks: Vec<Track> = stretches
+            .iter()
+            .filter(|c| c.position.len() >= 16)
+            .map(|c| Track::new(c.clone(), cutoff, reversals))
+            .filter(|t| t.row_count() >= 24)
+            .collect();
+        let present = directions(&mut tracks);
+        let blocks = cut(&tracks);
+        let mut share = Vec::new();
+        for track in &tracks {
+            track.rows(&track.pass(&vec![1.0; track.len()]), &mut share);
+        }
+        // what a residual keeps of its square
+        share.iter_mut().for_each(|s| *s *= *s);
+        if share.iter().filter(|s| **s > 0.5).count() < FEWEST_ROWS {
+            return None;
+        }
+        let mut design = Self { tracks, share, blocks, y: Vec::new(), baseline: Vec::new(), present, delay };
+        design.fill();
+        let first = fit(&design.baseline, &design.y, &design.blocks, 4);
+        if let Some(first) = &first {
+            design.measure_noise(cutoff, &first.coefficients);
+            let second = fit(&design.baseline, &design.y, &design.blocks, 4);
+            let coefficients = &second.as_ref().unwrap_or(first).coefficients;
+            design.blocks.mass = coefficients[0];
+            let acting = AppliedForce::baseline(design.physics(coefficients));
+            design.model_force(&acting);
+        }
+        Some(design)
+    }
+
+    /// Measures the acceleration's noise in every block by drawing it once more.
+    fn measure_noise(&mut self, cutoff: f64, coefficients: &[f64]) {
+        let clean = self.rows(|t| t.pass(&t.a));
+        let other = self
+            .perturbed(cutoff, &AppliedForce::baseline(self.physics(coefficients)), 0xacce)
+            .rows(|t| t.pass(&t.a));
+        let noise = |k: usize| self.blocks.rows(k).map(|r| (other[r] - clean[r]).powi(2)).sum();
+        self.blocks.noise = (0..self.blocks.len()).map(noise).collect();
+    }
+
+    fn fill(&mut self) {
+        self.y = self.rows(|t| t.pass(&t.raw.force));
+        let per_track: Vec<[Vec<f64>; 5]> = self.tracks.iter().map(Track::baseline).collect();
+        self.baseline = self
+            .present
+            .iter()
+            .map(|&c| {
+                let mut column = Vec::with_capacity(self.share.len());
+                for (track, series) in self.tracks.iter().zip(&per_track) {
+                    track.rows(&track.pass(&series[c]), &mut column);
+                }
+                column
+            })
+            .collect();
+        if self.delay {
+            // below a sample the first term of the shift is all there is of it
+            let late = self
+                .rows(|t| t.pass(&central_difference(&t.f, t.raw.dt).iter().map(|r| -r).collect::<Vec<_>>()));
+            self.baseline.push(late);
+        }
+    }
+
+    /// The same design matrix with one more draw of every sensor's noise, rows unchanged.
+    pub fn perturbed(&self, cutoff: f64, acting: &AppliedForce, seed: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut noisy = |series: &[f64]| -> Vec<f64> {
+            let level = noise_std(series);
+            series
+                .iter()
+                .map(|x| {
+                    let draw: f64 = StandardNormal.sample(&mut random);
+                    x + level * draw
+                })
+                .collect()
+        };
+        let mut out = self.clone();
+        out.tracks = self
+            .tracks
+            .iter()
+            .map(|t| {
+                let raw = Channels {
+                    position: noisy(&t.raw.position),
+                    velocity: t.raw.velocity.as_deref().map(&mut noisy),
+                    acceleration: t.raw.acceleration.as_deref().map(&mut noisy),
+                    force: noisy(&t.raw.force),
+                    normal: t.raw.normal.as_deref().map(&mut noisy),
+                    ..t.raw.clone()
+                };
+                let mut track = Track::new(raw, cutoff, t.reversals);
+                track.mask.clone_from(&t.mask);
+                track.stride = t.stride;
+                track
+            })
+            .collect();
+        out.model_force(acting);
+        out.fill();
+        out
+    }
+
+    /// The same with nothing set aside, for columns of terms only.
+    pub fn unmasked(&self) -> Self {
+        let mut out = Self { y: Vec::new(), baseline: Vec::new(), ..self.clone() };
+        out.tracks.iter_mut().for_each(|t| t.mask.fill(1.0));
+        out
+    }
+
+    /// Residual at every sample of every track, behind the filter.
+    pub fn sample_residual(&self, baseline: &Physics) -> Vec<Vec<f64>> {
+        self.tracks
+            .iter()
+            .map(|t| {
+                let mut left = t.raw.force.clone();
+                for (series, c) in t.baseline().iter().zip(baseline) {
+                    for (l, s) in left.iter_mut().zip(series) {
+                        *l -= c * s;
+                    }
+                }
+                t.pass(&left)
+            })
+            .collect()
+    }
+}
+
+impl DesignMatrix {
+    /// Sets the force that stands for the applied force inside regressors.
+    pub fn model_force(&mut self, acting: &AppliedForce) {
+        let mut forces: Vec<Vec<f64>> = self
+            .tracks
+            .iter()
+            .map(|track| {
+                let series = track.baseline();
+                let at = |i: usize| series.iter().zip(&acting.baseline).map(|(s, c)| c * s[i]).sum();
+                (0..track.len()).map(at).collect()
+            })
+            .collect();
+        for (kind, gains, shape) in &acting.effects {
+            for (force, units) in forces.iter_mut().zip(self.units::<MAX_GAINS>(*kind, shape)) {
+                for (f, unit) in force.iter_mut().zip(units) {
+                    *f += unit.iter().zip(gains).map(|(u, g)| u * g).sum::<f64>();
+                }
+            }
+        }
+        for (track, force) in self.tracks.iter_mut().zip(forces) {
+            track.force_model = force;
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! From a baseline to a hypothesis: the search for what was left out, with everything it is judged by.
+
+use crate::findings::floor::{Floor, floor, systematic};
+use crate::findings::validate::{Frozen, Judge};
+use crate::library::applied_force::AppliedForce;
+use crate::library::design_matrix::DesignMatrix;
+use crate::library::scales::Scales;
+use crate::library::term::TermKind;
+use crate::options::Options;
+use crate::preparation::intake::Intake;
+use crate::search::applied_force;
+use crate::search::catalogue::Catalogue;
+use crate::search::hypothesis::Hypothesis;
+use crate::search::judgement::Search;
+use crate::search::lasting::{self, Regime, Withdrawn};
+use crate::search::refine::FINE;
+use crate::search::regression::Regression;
+use friction::effects::{About, Acts, LookedFor, Quantity as Measured, Seat};
+use rayon::prelude::*;
+use signals::Channels;
+
+/// Share of the floor below which a held-out error refutes it.
+const UNDERCUT: f64 = 0.7;
+
+/// Searches at most: one more after each in which something did not last.
+const ROUNDS: usize = 3;
+
+/// What was found, and everything it was judged by.
+pub(crate) struct Named {
+    pub regression: Regression,
+    pub noisy: DesignMatrix,
+    pub catalogue: Catalogue,
+    pub scales: Scales,
+    /// The force that acts, as far as it is known.
+    pub acting: AppliedForce,
+    pub floor: Floor,
+    pub found: Hypothesis,
+    /// Family-wise p of each term.
+    pub p: Vec<f64>,
+    /// What was named and does not last.
+    pub withdrawn: Vec<Withdrawn>,
+    pub regimes: Vec<Regime>,
+    /// Effects that need another geometry, or a channel that the recordings do not have, and why.
+    pub unavailable: Vec<(&'static str, &'static str)>,
+}
+
+/// Share of the squared error that an effect may cost on recordings that judge before it is withdrawn.
+const CHANCE: f64 = 0.001;
+
+impl Named {
+    /// Whether phases along the stroke hold on other recordings: declared, or shown by several that share them.
+    pub fn phases_hold(&self, options: &Options) -> bool {
+        let mut recordings: Vec<usize> =
+            self.regression.design.tracks.iter().map(|t| t.raw.recording).collect();
+        recordings.dedup();
+        options.absolute || recordings.len() > 1
+    }
+
+    /// What is frozen for other recordings.
+    pub fn frozen<'a>(&'a self, found: &'a Hypothesis, options: &'a Options) -> Frozen<'a> {
+        Frozen {
+            design: &self.regression.design,
+            baseline: &self.regression.baseline,
+            found,
+            declared: &options.per_recording,
+            absolute: self.phases_hold(options),
+        }
+    }
+
+    /// Withdraws every effect without which the frozen model does better on `judges`, and all of them where the model does
+    /// no better than the baseline.
+    pub fn confirm(&mut self, judges: &[Judge], options: &Options, cutoff: f64, regime: &str) {
+        if judges.is_empty() {
+            return;
+        }
+        let baseline = self.regression.baseline.clone();
+        loop {
+            let frozen = self.frozen(&self.found, options);
+            let (with, rows) = frozen.squared(judges, &self.found);
+            let others = |i: usize| {
+                let mut atoms = self.found.atoms.clone();
+                atoms.remove(i);
+                let without = Hypothesis::new(frozen.design, atoms)?;
+                Some((frozen.squared(judges, &without).0, i, without))
+            };
+            let worse = with > frozen.squared(judges, &baseline).0;
+            // recordings with another zero say nothing about what is zero there on the average, unless nothing else is left
+            let judged =
+                |i: &usize| worse || frozen.absolute || !self.found.atoms[*i].term.kind.is_periodic();
+            let best = (0..self.found.atoms.len())
+                .into_par_iter()
+                .filter(judged)
+                .filter_map(others)
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((without, i, fewer)) = best else { return };
+            if without >= (1.0 - CHANCE) * with && !worse {
+                return;
+            }
+            let rms = |sum: f64| (sum / rows.max(1.0)).sqrt();
+            let kind = self.found.atoms[i].term.kind;
+            let withdrawn = Withdrawn { kind, regime: regime.into(), rms: (rms(without), rms(with)) };
+            let search = self.search(options, cutoff);
+            let (found, p) = search.prune(search.refine(fewer, FINE), baseline.fit.heldout_sum());
+            self.withdrawn.push(withdrawn);
+            (self.found, self.p) = (found, p);
+        }
+    }
+
+    /// The search, to judge further hypotheses by.
+    pub fn search<'a>(&'a self, options: &Options, cutoff: f64) -> Search<'a> {
+        search(&self.regression, &self.noisy, &self.catalogue, &self.scales, &self.floor, options, cutoff)
+    }
+}
+
+fn search<'a>(
+    regression: &'a Regression,
+    noisy: &'a DesignMatrix,
+    catalogue: &'a Catalogue,
+    scales: &'a Scales,
+    floor: &Floor,
+    options: &Options,
+    cutoff: f64,
+) -> Search<'a> {
+    let Regression { design, baseline, .. } = regression;
+    let rows: f64 = design.block_weight().iter().sum();
+    Search {
+        design,
+        noisy,
+        catalogue,
+        scales,
+        floor: floor.rms * floor.rms * rows,
+        systematic: systematic(design, baseline.fit.coefficients[0], cutoff, floor.rms).powi(2) * rows,
+        max_terms: options.max_terms,
+        width: options.beam_width,
+        seed: options.seed,
+    }
+}
+
+/// Searches until the regression and the force that acts agree with what is found.
+pub(crate) fn name(
+    intake: &Intake,
+    mut regression: Regression,
+    cutoff: f64,
+    options: &Options,
+    progress: &dyn Fn(f32, &str),
+) -> Named {
+    let unavailable = unavailable(intake, regression.design.is_one_way());
+    // the force that acts, with the catalogue on it, once it is known better than the baseline alone knows it
+    let mut settled: Option<(AppliedForce, DesignMatrix, Catalogue)> = None;
+    loop {
+        let Regression { design, baseline, .. } = &regression;
+        let rows: f64 = design.block_weight().iter().sum();
+        let mut floor = measured_floor(&regression, options);
+        progress(0.1, "catalogue");
+        let scales = Scales::of(&design.tracks, cutoff);
+        let first = settled.is_none();
+        let (acting, mut noisy, mut catalogue) = settled.take().unwrap_or_else(|| {
+            let acting = AppliedForce::baseline(design.physics(&baseline.fit.coefficients));
+            let noisy = design.perturbed(cutoff, &acting, options.seed ^ 0x51f1);
+            let lines = crate::library::lines::fine(design, &baseline.fit.residual, &scales, options.seed);
+            let exclude = excluded(intake, design, cutoff, options, &unavailable);
+            let catalogue = Catalogue::new(design, &noisy, &scales, &lines, &exclude);
+            (acting, noisy, catalogue)
+        });
+        progress(0.3, "naming");
+        let run = |from: &Hypothesis, floor: &Floor, catalogue: &Catalogue| {
+            let search = search(&regression, &noisy, catalogue, &scales, floor, options, cutoff);
+            search.run(from.clone(), progress).unwrap_or_else(|| (from.clone(), Vec::new()))
+        };
+        let (mut found, mut p) = run(baseline, &floor, &catalogue);
+        // A floor that a model undercuts on what it has not seen was none: a broad signal was taken for noise.
+        let reached = (found.fit.heldout_sum() / rows.max(1e-300)).sqrt();
+        if reached < UNDERCUT * floor.rms && floor.how == "local differences" && reached > 0.0 {
+            floor.rms = reached;
+            (found, p) = run(baseline, &floor, &catalogue);
+        }
+        if let Some(other) = without_delay(intake, &regression, &found, cutoff, options) {
+            regression = other;
+            continue;
+        }
+        let again = search(&regression, &noisy, &catalogue, &scales, &floor, options, cutoff);
+        if let Some((design, acting)) = first.then(|| applied_force::settle(&again, &found)).flatten() {
+            noisy.model_force(&acting);
+            catalogue.renew(&design, &noisy);
+            regression.design = design;
+            settled = Some((acting, noisy, catalogue));
+            continue;
+        }
+
+        let regimes = lasting::regimes(design, &intake.names);
+        let mut withdrawn: Vec<Withdrawn> = Vec::new();
+        for _ in 0..ROUNDS {
+            let search = search(&regression, &noisy, &catalogue, &scales, &floor, options, cutoff);
+            let fails;
+            (found, p, fails) = search.lasting((found, p), &regimes);
+            if fails.is_empty() {
+                break;
+            }
+            // what takes the place of a symptom may be the cause
+            fails.iter().for_each(|w| catalogue.exclude(w.kind));
+            withdrawn.extend(fails);
+            (found, p) = run(&found, &floor, &catalogue);
+        }
+        let search = search(&regression, &noisy, &catalogue, &scales, &floor, options, cutoff);
+        let fails;
+        (found, p, fails) = search.lasting((found, p), &regimes);
+        withdrawn.extend(fails);
+        withdrawn.retain(|w| !found.has(w.kind));
+        let mut told = Vec::new();
+        withdrawn.retain(|w| {
+            let new = !told.contains(&w.kind.id());
+            told.push(w.kind.id());
+            new
+        });
+        return Named {
+            regression,
+            noisy,
+            catalogue,
+            scales,
+            acting,
+            floor,
+            found,
+            p,
+            withdrawn,
+            regimes,
+            unavailable,
+        };
+    }
+}
+
+fn measured_floor(regression: &Regression, options: &Options) -> Floor {
+    let Regression { design, baseline, .. } = regression;
+    let residual = design.sample_residual(&design.physics(&baseline.fit.coefficients));
+    floor(design, &residual, baseline.fit.coefficients[0], options.declared_noise)
+}
+
+/// Effects that need another geometry, or a channel that the recordings do not have, and why.
+fn unavailable(intake: &Intake, one_way: bool) -> Vec<(&'static str, &'static str)> {
+    let derived = intake.stretches.iter().all(|s| s.velocity.is_none());
+    let why = |about: &About| match (about.only, about.seat) {
+        (Some((needed, otherwise)), _) if needed != intake.geometry => Some(otherwise),
+        (_, Seat::Channel(Measured::Velocity)) if derived => {
+            Some("there is no velocity channel: velocity is derived from position without lag")
+        }
+        _ => match about.looked_for {
+            LookedFor::WhereItAdvances if !one_way => {
+                Some("the body reverses, and beside reversals other friction looks like it")
+            }
+            LookedFor::Nowhere => Some("in a motion it stands in for most other effects"),
+            _ => None,
+        },
+    };
+    TermKind::all().iter().filter_map(|kind| Some((kind.id(), why(kind.about())?))).collect()
+}
+
+/// Effects that are not searched for.
+fn excluded<'a>(
+    intake: &Intake,
+    design: &DesignMatrix,
+    cutoff: f64,
+    options: &'a Options,
+    unavailable: &[(&'static str, &'static str)],
+) -> Vec<&'a str> {
+    let mut out: Vec<&str> = options.exclude.iter().map(String::as_str).collect();
+    out.extend(unavailable.iter().map(|(e, _)| *e));
+    let independent = intake.has_independent_sensor(cutoff);
+    let otherwise = TermKind::all().into_iter().filter(|kind| match kind.about().seat {
+        // comparing the channels says more about it than any force
+        Seat::Channel(Measured::Velocity) => true,
+        Seat::Channel(Measured::Position) => independent,
+        // the baseline has it
+        _ => design.delay && kind.acts(Acts::Delay),
+    });
+    out.extend(otherwise.map(|kind| kind.id()));
+    out
+}
+
+/// The regression with the delay among the effects, where what was found says that the nuisance of up to a sample was
+/// more: beside it there is a lag of the force, or it is longer once the rest of the physics is there.
+fn without_delay(
+    intake: &Intake,
+    regression: &Regression,
+    found: &Hypothesis,
+    cutoff: f64,
+    options: &Options,
+) -> Option<Regression> {
+    let design = &regression.design;
+    if !design.delay {
+        return None;
+    }
+    let dt = intake.stretches.iter().map(|s: &Channels| s.dt).fold(0.0, f64::max);
+    let delay = found.fit.coefficients.get(design.present.len()).copied().unwrap_or(0.0);
+    let lags = found.atoms.iter().any(|a| a.term.kind.moves_in_time());
+    if delay.abs() <= dt && !lags {
+        return None;
+    }
+    let design = DesignMatrix::new(&intake.stretches, cutoff, intake.reversals, false)?;
+    Regression::new(design, intake, options)
+}

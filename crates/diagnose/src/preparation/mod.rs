@@ -1,0 +1,6 @@
+//! From prepared recordings to filtered tracks.
+
+pub mod drift;
+pub mod intake;
+pub mod static_branch;
+pub mod track;

@@ -1,0 +1,146 @@
+//! Where the baseline's static branch ends: Karnopp's law balances whatever load there is below a speed Δv, so samples
+//! slower than that say nothing about sliding, and a step at Δv is no physics that was left out.
+//!
+//! It shows in one of two ways: the force there wanders with the load, or, where the branch brakes with all it has, it is the
+//! static level, higher than that of sliding whether the body slows down or gathers speed.
+//!
+//! A step, not a slope: smooth physics at low speed (a Stribeck curve, frictional lag) changes as much in the bins above
+//! an edge as across it.
+
+use crate::preparation::track::Track;
+use nalgebra::{DMatrix, DVector};
+use signals::quantile;
+
+/// Bins of |v|, and the share of the top speed they span.
+const BINS: usize = 40;
+const SPAN: f64 = 0.4;
+/// Bins averaged on either side of an edge.
+const SIDE: usize = 2;
+/// The step in standard errors; samples follow each other, so more than the textbook's.
+const MIN_T_STATISTIC: f64 = 6.0;
+/// Scatter below the edge over that above: what merely balances goes from one level of friction to the other, a law of
+/// sliding at low speed has a value.
+const WANDERS: f64 = 3.0;
+/// What may change above the edge, as a share of the step.
+const FLAT: f64 = 0.25;
+
+/// Δv and half a bin's width, m/s, where the recording shows the step.
+pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
+    let used: Vec<(usize, &Track)> =
+        tracks.iter().flat_map(|t| (0..t.len()).filter(|&i| t.mask[i] > 0.0).map(move |i| (i, t))).collect();
+    let speeds: Vec<f64> = used.iter().map(|(i, t)| t.v[*i].abs()).collect();
+    let top = quantile(&speeds, 0.95);
+    if !(top > 0.0) {
+        return None;
+    }
+    let excess = excess(&used, 0.5 * SPAN * top)?;
+    let width = SPAN * top / BINS as f64;
+    let bins = |wanted: &dyn Fn(usize, &Track) -> bool| {
+        let mut bins = [Bin::default(); BINS];
+        for ((e, v), _) in excess.iter().zip(&speeds).zip(&used).filter(|(_, (i, t))| wanted(*i, t)) {
+            if let Some(bin) = bins.get_mut((v / width) as usize) {
+                *bin = Bin { sum: bin.sum + e, squares: bin.squares + e * e, count: bin.count + 1.0 };
+            }
+        }
+        bins
+    };
+    let all = bins(&|_, _| true);
+    let slowing = bins(&|i, t| t.v[i] * t.a[i] < 0.0);
+    let gathering = bins(&|i, t| t.v[i] * t.a[i] > 0.0);
+    let wanders = |edge: &usize| {
+        Step::at(&all, *edge).is_some_and(|s| s.is_one() && s.below.2 > WANDERS * WANDERS * s.above.2)
+    };
+    let static_level = |edge: &usize| {
+        let of = |bins| Step::at(bins, *edge).filter(|s| s.rises());
+        of(&slowing).zip(of(&gathering)).is_some_and(|(before, _)| before.is_one())
+    };
+    // the highest: rest itself is a step, too, at the bottom of the band
+    let edge = (1..BINS).rfind(|edge| wanders(edge) || static_level(edge))?;
+    Some((edge as f64 * width, 0.5 * width))
+}
+
+/// Excess force of the samples in a bin.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bin {
+    sum: f64,
+    squares: f64,
+    count: f64,
+}
+
+/// Mean, squared standard error and variance on either side of an edge between bins, and further above it.
+struct Step {
+    below: (f64, f64, f64),
+    above: (f64, f64, f64),
+    further: (f64, f64, f64),
+}
+
+impl Step {
+    fn at(bins: &[Bin; BINS], edge: usize) -> Option<Self> {
+        let over = |from: usize, to: usize| -> Option<(f64, f64, f64)> {
+            let bins = bins.get(from..to)?;
+            let total = |of: fn(&Bin) -> f64| bins.iter().map(of).sum::<f64>();
+            let count = total(|b| b.count);
+            let mean = total(|b| b.sum) / count;
+            let variance = (total(|b| b.squares) / count - mean * mean).max(0.0);
+            (count >= 20.0).then_some((mean, variance / count, variance))
+        };
+        Some(Self {
+            below: over(edge.checked_sub(SIDE)?, edge)?,
+            above: over(edge, edge + SIDE)?,
+            further: over(edge + SIDE, edge + 3 * SIDE)?,
+        })
+    }
+
+    fn jump(&self) -> f64 {
+        self.below.0 - self.above.0
+    }
+
+    fn is_sure(&self) -> bool {
+        self.jump().abs() > MIN_T_STATISTIC * (self.below.1 + self.above.1).sqrt()
+    }
+
+    /// Flat above the edge, and surely another force below it.
+    fn is_one(&self) -> bool {
+        (self.above.0 - self.further.0).abs() < FLAT * self.jump().abs() && self.is_sure()
+    }
+
+    fn rises(&self) -> bool {
+        self.jump() > 0.0 && self.is_sure()
+    }
+}
+
+/// Force beyond what sliding explains, against the motion, at every sample used. What sliding explains is fitted to the
+/// samples faster than `slow`, generously: inertia, friction of either direction, drag, springs, friction along the
+/// stroke.
+fn excess(used: &[(usize, &Track)], slow: f64) -> Option<Vec<f64>> {
+    let row = |i: usize, t: &Track| -> [f64; COLUMNS] {
+        let (x, v, s) = (t.x[i], t.v[i], t.sign[i]);
+        [t.a[i], s, 1.0, v, s * v, v * v.abs(), v * v, x, x * x, x * x * x, s * x, s * x * x]
+    };
+    let mut scale = [1e-300_f64; COLUMNS];
+    for (i, t) in used {
+        for (m, x) in scale.iter_mut().zip(row(*i, t)) {
+            *m = m.max(x.abs());
+        }
+    }
+    let mut gram = DMatrix::<f64>::zeros(COLUMNS, COLUMNS);
+    let mut moment = DVector::<f64>::zeros(COLUMNS);
+    for (i, t) in used.iter().filter(|(i, t)| t.v[*i].abs() > slow) {
+        let r = DVector::from_fn(COLUMNS, |c, _| row(*i, t)[c] / scale[c]);
+        gram.ger(1.0, &r, &r, 1.0);
+        moment.axpy(t.raw.force[*i], &r, 1.0);
+    }
+    // nearly dependent columns share what they explain
+    let ridge = 1e-9 * gram.trace();
+    for c in 0..COLUMNS {
+        gram[(c, c)] += ridge;
+    }
+    let solution = gram.cholesky()?.solve(&moment);
+    let explained = |i: usize, t: &Track| -> f64 {
+        row(i, t).iter().zip(&scale).zip(solution.iter()).map(|((x, m), c)| c * x / m).sum()
+    };
+    let out: Vec<f64> = used.iter().map(|(i, t)| t.sign[*i] * (t.raw.force[*i] - explained(*i, t))).collect();
+    out.iter().all(|e| e.is_finite()).then_some(out)
+}
+
+const COLUMNS: usize = 12;

@@ -1,0 +1,346 @@
+//! One gap-free stretch of a recording, filtered once and ready for regressors.
+//!
+//! Samples at which the sliding direction is not known are set aside *before* the filter's average is formed,
+//! on both sides of the equation alike ([`Track::pass`]). A stuck body's friction is whatever balances the applied
+//! force: such samples would be a mismatch for every law and information for none, and set aside behind the filter
+//! they would have leaked into their neighbours already.
+//!
+//! For that the derivatives have to be sharper than the filter: they are taken behind a filter of
+//! [`SHARPER`] times the cut-off, and the noise this lets through is taken out again by the filter itself.
+
+use signals::{
+    Channels, LowPass, Noise, central_difference, derived_noise, differentiated, noise_std, quantile,
+};
+use std::f64::consts::PI;
+
+/// Cut-off of the filter behind which derivatives are taken, in cut-offs.
+const SHARPER: f64 = 3.0;
+
+/// What is known of the moments at which the direction of sliding is not.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Reversals {
+    /// Δv of the baseline: speeds below it belong to its static branch, whose force is whatever balances. 0 where the
+    /// recording shows no such band.
+    pub static_band: f64,
+    /// The direction of a body that only ever advances: it is known at every sample, however slow.
+    pub one_way: Option<f64>,
+    /// The body reverses so often that nothing would be left without the moments around reversals: they are kept.
+    pub kept: bool,
+}
+
+/// The stretch behind the filter.
+#[derive(Debug, Clone)]
+pub struct Track {
+    /// The channels it was made of.
+    pub raw: Channels,
+    /// What is known of its reversals.
+    pub reversals: Reversals,
+    /// The filter.
+    pub filter: LowPass,
+    /// Position behind the sharper filter.
+    pub x: Vec<f64>,
+    /// Velocity behind the sharper filter.
+    pub v: Vec<f64>,
+    /// Acceleration behind the sharper filter.
+    pub a: Vec<f64>,
+    /// Force behind the sharper filter.
+    pub f: Vec<f64>,
+    /// Normal load behind the filter.
+    pub normal: Option<Vec<f64>>,
+    /// Sliding direction: −1 or 1.
+    pub sign: Vec<f64>,
+    /// 0 where the body may be stuck or the filter has not settled, 1 where it slides, smooth between.
+    pub mask: Vec<f64>,
+    /// The force as the baseline predicts it: what stands for "the applied force" inside a regressor, because
+    /// the measured force's own noise there would correlate with itself.
+    pub force_model: Vec<f64>,
+    /// Distance since the last reversal.
+    pub distance: Vec<f64>,
+    /// Time since the last reversal, s.
+    pub since: Vec<f64>,
+    /// Samples averaged into one row.
+    pub stride: usize,
+    /// Noise of the channels.
+    pub noise: Noise,
+}
+
+/// Weights of sources by their noise, summing to one.
+fn weights(noise: &[f64]) -> Vec<f64> {
+    let information: Vec<f64> = noise.iter().map(|s| 1.0 / (s * s).max(1e-300)).collect();
+    let sum: f64 = information.iter().sum();
+    information.iter().map(|i| i / sum).collect()
+}
+
+fn combine(sources: &[(Vec<f64>, f64)]) -> Vec<f64> {
+    let w = weights(&sources.iter().map(|s| s.1).collect::<Vec<_>>());
+    let mut out = vec![0.0; sources[0].0.len()];
+    for ((series, _), w) in sources.iter().zip(w) {
+        for (o, s) in out.iter_mut().zip(series) {
+            *o += w * s;
+        }
+    }
+    out
+}
+
+impl Track {
+    /// Filters the channels at `cutoff` Hz and finds where the sliding direction is known.
+    pub fn new(raw: Channels, cutoff: f64, reversals: Reversals) -> Self {
+        let dt = raw.dt;
+        let filter = LowPass::new(cutoff, dt);
+        let sharper = (SHARPER * cutoff).min(0.3 / dt);
+        let sharp = LowPass::new(sharper, dt);
+        let noise = Noise { velocity: derived_noise(&raw, sharper).velocity, ..derived_noise(&raw, cutoff) };
+        let x = sharp.apply(&raw.position);
+        let f = sharp.apply(&raw.force);
+        let slope = central_difference(&x, dt);
+
+        let mut velocities = vec![(slope.clone(), noise.position * differentiated(1, sharper, dt))];
+        if let Some(column) = &raw.velocity {
+            velocities.push((sharp.apply(column), noise_std(column) * differentiated(0, sharper, dt)));
+        }
+        let v = combine(&velocities);
+        let mut accelerations =
+            vec![(central_difference(&slope, dt), noise.position * differentiated(2, cutoff, dt))];
+        if let Some(column) = &raw.velocity {
+            let a = central_difference(&sharp.apply(column), dt);
+            accelerations.push((a, noise_std(column) * differentiated(1, cutoff, dt)));
+        }
+        if let Some(column) = &raw.acceleration {
+            accelerations.push((sharp.apply(column), noise_std(column) * differentiated(0, cutoff, dt)));
+        }
+        let a = combine(&accelerations);
+
+        let n = x.len();
+        let settle = filter.settle().min(n / 4);
+        let stride = ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize;
+        let normal = raw.normal.as_ref().map(|c| filter.apply(c));
+        let mut track = Self {
+            filter,
+            x,
+            v,
+            a,
+            normal,
+            force_model: f.clone(),
+            f,
+            sign: vec![1.0; n],
+            mask: vec![1.0; n],
+            distance: vec![0.0; n],
+            since: vec![0.0; n],
+            stride,
+            noise,
+            reversals,
+            raw,
+        };
+        track.find_directions(sharper);
+        for i in 0..settle {
+            track.mask[i] = 0.0;
+            track.mask[n - 1 - i] = 0.0;
+        }
+        track.soften((0.75 / (cutoff * dt)).ceil() as usize);
+        track.measure_reversals();
+        track
+    }
+
+    /// Velocity below which the direction is not known.
+    pub fn guard(&self) -> f64 {
+        let fast = quantile(&self.v.iter().map(|v| v.abs()).collect::<Vec<_>>(), 0.95);
+        (3.0 * self.noise.velocity).max(0.003 * fast).max(self.reversals.static_band)
+    }
+
+    /// `sharper` is the cut-off behind which the velocity was taken, Hz.
+    fn find_directions(&mut self, sharper: f64) {
+        if let Some(way) = self.reversals.one_way {
+            self.sign.fill(way);
+            return;
+        }
+        let n = self.v.len();
+        let dt = self.raw.dt;
+        let guard = self.guard();
+        // as far as an edge of the velocity is smeared
+        let ring = (0.75 / (sharper * dt)).ceil() as usize;
+        let mean = moving_mean(&self.v, ring);
+        let mut unknown = Vec::new();
+        let mut i = 0;
+        let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
+        while i < n {
+            if self.v[i].abs() >= guard {
+                // a reversal so swift that no sample falls into it is still somewhere between two of them
+                if self.v[i].signum() != direction {
+                    unknown.push((i.saturating_sub(ring), (i + ring).min(n)));
+                }
+                direction = self.v[i].signum();
+                self.sign[i] = direction;
+                i += 1;
+                continue;
+            }
+            let start = i;
+            // not `< guard`: what is no number would be neither, and the loop would not end
+            while i < n && !(self.v[i].abs() >= guard) {
+                i += 1;
+            }
+            let after = if i < n { self.v[i].signum() } else { direction };
+            // Averaged, the noise of a body at rest stays below half the guard, and what slides slowly does not.
+            let slowest = mean[start..i].iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
+            // The most likely moment of the crossing is the last change of sign inside.
+            let change =
+                (start.max(1)..i).rev().find(|&j| self.v[j] * after > 0.0 && self.v[j - 1] * after <= 0.0);
+            let change = change.unwrap_or((start + i) / 2).clamp(start, i);
+            for j in start..i {
+                self.sign[j] = if j < change { direction } else { after };
+            }
+            // A reversal, a rest, or the static branch. A moment's error at a reversal is twice the Coulomb force for that moment.
+            if after != direction || self.reversals.static_band > 0.0 || slowest < 0.5 * guard {
+                unknown.push((start.saturating_sub(ring), (i + ring).min(n)));
+            }
+            direction = after;
+        }
+        for (from, to) in unknown.into_iter().filter(|_| !self.reversals.kept) {
+            self.mask[from..to].fill(0.0);
+        }
+    }
+
+    /// Lets the mask rise over `width` samples beside every gap. An edge of the acceleration is smeared by the sharper
+    /// filter; cut through by a hard mask it would not cancel.
+    fn soften(&mut self, width: usize) {
+        let run = |since: &mut usize, mask: f64| {
+            *since = if mask == 0.0 { 0 } else { since.saturating_add(1) };
+            *since
+        };
+        let mut since = usize::MAX;
+        let mut nearest: Vec<usize> = self.mask.iter().map(|m| run(&mut since, *m)).collect();
+        since = usize::MAX;
+        for (near, m) in nearest.iter_mut().zip(&self.mask).rev() {
+            *near = (*near).min(run(&mut since, *m));
+        }
+        for (m, near) in self.mask.iter_mut().zip(nearest) {
+            if near <= width {
+                *m = 0.5 - 0.5 * (PI * near as f64 / (width + 1) as f64).cos();
+            }
+        }
+    }
+
+    fn measure_reversals(&mut self) {
+        let (mut distance, mut since) = (f64::INFINITY, f64::INFINITY);
+        for i in 1..self.x.len() {
+            if self.sign[i] != self.sign[i - 1] {
+                (distance, since) = (0.0, 0.0);
+            } else {
+                distance += (self.x[i] - self.x[i - 1]).abs();
+                since += self.raw.dt;
+            }
+            self.distance[i] = distance;
+            self.since[i] = since;
+        }
+        if let Some(d) = self.distance.first_mut() {
+            *d = f64::INFINITY;
+        }
+        if let Some(s) = self.since.first_mut() {
+            *s = f64::INFINITY;
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Time of sample `i`, s.
+    pub fn time(&self, i: usize) -> f64 {
+        self.raw.start + i as f64 * self.raw.dt
+    }
+
+    /// Number of rows the stretch gives.
+    pub fn row_count(&self) -> usize {
+        self.len() / self.stride
+    }
+
+    /// A series with what is set aside taken out, behind the filter. Linear: what holds of the samples in use holds
+    /// of the result.
+    pub fn pass(&self, series: &[f64]) -> Vec<f64> {
+        let masked: Vec<f64> = series.iter().zip(&self.mask).map(|(x, m)| x * m).collect();
+        self.filter.apply(&masked)
+    }
+
+    /// Masked averages over `stride` samples of a series that is already behind the filter.
+    pub fn rows(&self, series: &[f64], out: &mut Vec<f64>) {
+        let share = 1.0 / self.stride as f64;
+        for r in 0..self.row_count() {
+            let from = r * self.stride;
+            let sum: f64 = (from..from + self.stride).map(|i| series[i] * self.mask[i]).sum();
+            out.push(sum * share);
+        }
+    }
+
+    /// [`Self::pass`] and [`Self::rows`] of several series at once, each onto its own column.
+    pub fn passed_rows<const L: usize>(&self, series: &[[f64; L]], out: &mut [Vec<f64>]) {
+        let masked: Vec<[f64; L]> = series.iter().zip(&self.mask).map(|(x, m)| x.map(|x| x * m)).collect();
+        let filtered = self.filter.apply_lanes(&masked);
+        let share = 1.0 / self.stride as f64;
+        for (samples, mask) in filtered.chunks_exact(self.stride).zip(self.mask.chunks_exact(self.stride)) {
+            let mut sum = [0.0; L];
+            for (x, m) in samples.iter().zip(mask) {
+                for (s, x) in sum.iter_mut().zip(x) {
+                    *s += x * m;
+                }
+            }
+            for (column, s) in out.iter_mut().zip(sum) {
+                column.push(s * share);
+            }
+        }
+    }
+
+    /// Unfiltered columns of the baseline: mass, Coulomb and viscous force for either direction.
+    pub fn baseline(&self) -> [Vec<f64>; 5] {
+        let n = self.len();
+        let by = |forward: bool, viscous: bool| -> Vec<f64> {
+            let want = if forward { 1.0 } else { -1.0 };
+            (0..n)
+                .map(|i| {
+                    if self.sign[i] != want {
+                        0.0
+                    } else if viscous {
+                        self.v[i]
+                    } else {
+                        want
+                    }
+                })
+                .collect()
+        };
+        [self.a.clone(), by(true, false), by(false, false), by(true, true), by(false, true)]
+    }
+}
+
+/// Parts of a stretch that must each advance, and by how many times the noise of a position.
+const PARTS: usize = 32;
+const ADVANCES: f64 = 5.0;
+
+/// The direction in which the body advances in every part of the recordings.
+pub fn one_way(stretches: &[Channels]) -> Option<f64> {
+    let part = stretches.iter().map(|s| s.position.len()).sum::<usize>().div_ceil(PARTS).max(4);
+    let mut ways = stretches.iter().flat_map(|s| {
+        let least = ADVANCES * noise_std(&s.position);
+        // shorter parts tell too little to be asked
+        s.position.chunks(part).filter(move |c| 2 * c.len() > part).map(move |c| {
+            let by = c[c.len() - 1] - c[0];
+            let range = c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, x| (r.0.min(*x), r.1.max(*x)));
+            // a part that comes back on the way does not only advance
+            if by.abs() > least && range.1 - range.0 < by.abs() + least { by.signum() } else { 0.0 }
+        })
+    });
+    let first = ways.next().filter(|w| *w != 0.0)?;
+    ways.all(|w| w == first).then_some(first)
+}
+
+/// Mean over `half` samples to either side, fewer at the ends.
+fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; series.len() + 1];
+    for (i, x) in series.iter().enumerate() {
+        sums[i + 1] = sums[i] + x;
+    }
+    (0..series.len())
+        .map(|i| {
+            let (low, high) = (i.saturating_sub(half), (i + half + 1).min(series.len()));
+            (sums[high] - sums[low]) / (high - low) as f64
+        })
+        .collect()
+}

@@ -1,0 +1,203 @@
+//! Naming: a beam search over the catalogue with pair steps, each step tested against the best of a null
+//! catalogue and against a bootstrap of its held-out gain, then pruned backward.
+
+use crate::regression::linear::Blocks;
+use crate::search::hypothesis::{Atom, Hypothesis};
+use crate::search::judgement::{LEVEL, Search};
+use crate::search::refine::{FINE, ROUGH};
+use crate::search::transport;
+use friction::effects::Acts;
+use rayon::prelude::*;
+use signals::{Basis, dot};
+
+/// Smallest share of the mismatch above the floor for which a term is worth naming.
+const MATERIAL: f64 = 0.01;
+/// Or of what the terms before it left: where a spring is nearly all of the force, what stiffens it is less than a
+/// hundredth of the mismatch and nearly all of the rest.
+const MOST_OF_REST: f64 = 0.5;
+
+impl Search<'_> {
+    /// The best hypothesis whose every term is significant, holds out of sample and is material; with everything that `from`
+    /// has already, unless it does not hold beside the rest.
+    pub fn run(&self, from: Hypothesis, progress: &dyn Fn(f32, &str)) -> Option<(Hypothesis, Vec<f64>)> {
+        let start = Hypothesis::new(self.design, Vec::new())?.fit.heldout_sum();
+        let mut best = from.clone();
+        let mut beam = vec![from];
+        while best.atoms.len() < self.max_terms {
+            progress(
+                0.3 + 0.5 * best.atoms.len() as f32 / self.max_terms as f32,
+                &format!("naming: {} found", best.atoms.len()),
+            );
+            let mut next: Vec<Hypothesis> = beam.iter().flat_map(|h| self.extend(h)).collect();
+            next.sort_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
+            let mut kept: Vec<Hypothesis> = Vec::new();
+            for h in next {
+                let kinds = kinds_of(&h);
+                if kept.len() < self.width && kept.iter().all(|k| kinds_of(k) != kinds) {
+                    kept.push(h);
+                }
+            }
+            kept = kept.into_par_iter().map(|h| self.refine(h, ROUGH)).collect();
+            kept.sort_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
+            let Some(found) = kept.iter().find(|h| self.holds(&best, h, start)) else { break };
+            best = found.clone();
+            beam = kept;
+        }
+        let best = self.refine(self.rather(self.plain(self.simplify(best))), FINE);
+        Some(self.prune(transport::settle(self, best), start))
+    }
+
+    fn material(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
+        let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
+        let above = |sum: f64| sum - self.floor;
+        let worth = (MATERIAL * above(start)).min(MOST_OF_REST * above(parent.fit.heldout_sum()));
+        let mut added = (0..child.atoms.len()).filter(|i| !parent.has(child.atoms[*i].term.kind));
+        let nowhere = Basis::default();
+        let share = |i| spread(&self.contribution(child, i, &nowhere), &self.design.blocks);
+        let least = added.clone().map(share).reduce(f64::min);
+        let worth = worth.max(self.systematic * least.unwrap_or(1.0));
+        let smooths = added.any(|i| child.atoms[i].term.kind.acts(Acts::Behind));
+        gain > worth
+            && (!smooths || transport::saved(self, &parent.atoms, &child.atoms).is_some_and(|s| s > worth))
+    }
+
+    fn holds(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
+        let new: Vec<Atom> = child.atoms.iter().filter(|a| !parent.has(a.term.kind)).cloned().collect();
+        child.fit.heldout_sum() < parent.fit.heldout_sum()
+            && self.material(parent, child, start)
+            && self.interval(parent, child)[0] > 0.0
+            && (new.is_empty() || self.significance(parent, child, &new) <= LEVEL)
+    }
+
+    /// Drops terms that do not hold against the others, worst first; returns each survivor's p value.
+    pub fn prune(&self, mut best: Hypothesis, start: f64) -> (Hypothesis, Vec<f64>) {
+        loop {
+            let mut p = Vec::new();
+            let mut worst: Option<(f64, Hypothesis)> = None;
+            for i in 0..best.atoms.len() {
+                let mut atoms = best.atoms.clone();
+                let removed = atoms.remove(i);
+                let Some(without) = Hypothesis::new(self.design, atoms) else {
+                    p.push(1.0);
+                    continue;
+                };
+                let value = self.significance(&without, &best, std::slice::from_ref(&removed));
+                p.push(value);
+                // without the others a gain may have left the range its effect accepts
+                let stands = value <= LEVEL
+                    && best.atoms[i].physical(best.coefficients(self.design, i))
+                    && self.interval(&without, &best)[0] > 0.0
+                    && self.material(&without, &best, start);
+                let gain = without.fit.heldout_sum() - best.fit.heldout_sum();
+                if !stands && worst.as_ref().is_none_or(|(g, _)| gain < *g) {
+                    worst = Some((gain, without));
+                }
+            }
+            match worst {
+                Some((_, without)) => best = transport::settle(self, self.refine(without, FINE)),
+                None => return (best, p),
+            }
+        }
+    }
+
+    /// Extensions of a hypothesis by one term and by two.
+    fn extend(&self, from: &Hypothesis) -> Vec<Hypothesis> {
+        let basis = Basis::of(&Hypothesis::columns(self.design, &from.atoms));
+        let residual = &from.fit.residual;
+        // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
+        // that is tried too short would need more than the whole force.
+        let gains: Vec<(f64, &Atom)> = self
+            .catalogue
+            .testable()
+            .into_par_iter()
+            .filter(|atom| !from.has(atom.term.kind))
+            .map(|atom| {
+                let rest = atom.outside(&basis);
+                let alone = match &rest[..] {
+                    [only] => atom.physical(&[dot(only, residual) / dot(only, only)]),
+                    _ => true,
+                };
+                (if alone { Basis::of(&rest).captured(residual) } else { 0.0 }, atom)
+            })
+            .collect();
+        let mut ranked: Vec<(f64, &Atom)> = Vec::new();
+        for entry in gains {
+            let term = entry.1.term;
+            let same = |other: &Atom| other.term.kind == term.kind && other.term.variant == term.variant;
+            match ranked.iter_mut().find(|(_, a)| same(a)) {
+                Some(best) if best.0 < entry.0 => *best = entry,
+                Some(_) => {}
+                None => ranked.push(entry),
+            }
+        }
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut trials: Vec<Vec<Atom>> = ranked.iter().take(14).map(|(_, a)| vec![(*a).clone()]).collect();
+        if from.atoms.len() + 2 <= self.max_terms {
+            let each: Vec<_> = ranked.par_iter().map(|(alone, a)| (*alone, *a, a.outside(&basis))).collect();
+            let with = |(i, (alone_a, a, rest_a)): (usize, &(f64, &Atom, Vec<Vec<f64>>))| {
+                let mut pairs = Vec::new();
+                for (alone_b, b, rest_b) in each.iter().skip(i + 1).take(24) {
+                    if a.term.kind == b.term.kind {
+                        continue;
+                    }
+                    let both: Vec<&[f64]> = rest_a.iter().chain(rest_b).map(Vec::as_slice).collect();
+                    let gain = Basis::of(&both).captured(residual);
+                    if gain > 1.05 * alone_a.max(*alone_b) {
+                        pairs.push((gain, vec![(*a).clone(), (*b).clone()]));
+                    }
+                }
+                pairs
+            };
+            let mut pairs: Vec<_> = each.par_iter().take(24).enumerate().flat_map_iter(with).collect();
+            pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+            trials.extend(pairs.into_iter().take(8).map(|(_, p)| p));
+        }
+        trials
+            .into_par_iter()
+            .filter_map(|new| {
+                let atoms = from.atoms.iter().cloned().chain(new).collect();
+                Hypothesis::new(self.design, atoms)
+            })
+            .filter(|h| self.physical(h))
+            .collect()
+    }
+}
+
+/// Participation of `x`: 1 where all are of one size, 1/n where only one is not zero.
+fn participation(x: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum, square) = x.fold((0.0, 0.0, 0.0), |(n, s, q), x| (n + 1.0, s + x, q + x * x));
+    if square > 0.0 { sum * sum / (count * square) } else { 1.0 }
+}
+
+/// Share of each block's rows on which a force acts: 1 for anything as broad as normal noise, whose fourth moment is 3,
+/// small for what acts in every block but around reversals only. What acts in a few blocks and there everywhere has 1.
+fn spread(force: &[f64], blocks: &Blocks) -> f64 {
+    let rows = participation(force.iter().map(|x| x * x));
+    let energy = |k: usize| blocks.rows(k).map(|r| force[r] * force[r]).sum::<f64>();
+    (3.0 * rows / participation((0..blocks.len()).map(energy))).min(1.0)
+}
+
+fn kinds_of(h: &Hypothesis) -> Vec<&'static str> {
+    let mut kinds: Vec<&str> = h.atoms.iter().map(|a| a.term.kind.id()).collect();
+    kinds.sort_unstable();
+    kinds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lasts_milliseconds_after_a_reversal_was_too_little_on_the_average_of_all_samples() {
+        let rows = 1000;
+        let blocks = Blocks { edges: (0..=10).map(|k| 100 * k).collect(), ..Blocks::default() };
+        let force = |of: &dyn Fn(usize) -> f64| spread(&(0..rows).map(of).collect::<Vec<_>>(), &blocks);
+        assert_eq!(force(&|i| (0.05 * i as f64).sin()), 1.0);
+        // two rows of every fifty
+        let pulses = force(&|i| f64::from(u8::from(i % 50 < 2)));
+        assert!((pulses - 3.0 * 0.04).abs() < 1e-9, "{pulses}");
+        // one block only, and there everywhere: a share of all rows as small, and no less to be asked of it
+        assert_eq!(force(&|i| f64::from(u8::from(i < 100))), 1.0);
+        assert_eq!(force(&|_| 0.0), 1.0);
+    }
+}

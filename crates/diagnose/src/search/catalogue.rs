@@ -1,0 +1,115 @@
+//! Every effect at every shape worth trying, and which of them a recording can show.
+
+use crate::library::design_matrix::{DesignMatrix, gather};
+use crate::library::scales::Scales;
+use crate::library::term::{Term, TermKind};
+use crate::search::hypothesis::Atom;
+use friction::effects::{Acts, MAX_SHAPE, Scale};
+use rayon::prelude::*;
+use signals::{Basis, dot};
+
+/// Share of an effect left outside the baseline (U) below which a recording is said to be blind to it.
+pub const CONCEALED: f64 = 0.1;
+/// The same for a gain of the whole force channel, below which it is not looked for: nearly all of it is friction and mass
+/// of another size, and as it has no shape to choose it is found by the little that is not.
+const CONCEALED_GAIN: f64 = 0.04;
+
+/// The catalogue evaluated on a design matrix.
+#[derive(Debug, Clone)]
+pub struct Catalogue {
+    /// Every effect at every shape of the grid.
+    pub atoms: Vec<Atom>,
+    /// Basis of the baseline.
+    pub baseline: Basis,
+}
+
+impl Catalogue {
+    /// Evaluates the catalogue over its grid; `noisy` is the same design matrix with one more draw of sensor noise.
+    ///
+    /// `lines` are wavelengths finer than the grid's that stand out of the residual.
+    pub fn new(
+        design: &DesignMatrix,
+        noisy: &DesignMatrix,
+        scales: &Scales,
+        lines: &[f64],
+        exclude: &[&str],
+    ) -> Self {
+        let baseline = Basis::of(&design.baseline);
+        let mut terms = Vec::new();
+        for kind in TermKind::all() {
+            if !exclude.contains(&kind.id()) {
+                terms.extend(scales.grid(kind).into_iter().map(|shape| (kind, shape)));
+                if kind.shape().first().is_some_and(|p| p.scale == Scale::Wavelength) {
+                    terms.extend(lines.iter().map(|line| (kind, [*line, 0.0])));
+                }
+            }
+        }
+        let evaluate = |(kind, shape): &(TermKind, [f64; MAX_SHAPE])| -> Vec<Atom> {
+            let (clean, other) = (design.all_columns(*kind, shape), noisy.all_columns(*kind, shape));
+            let variant = |(variant, groups): (usize, &&'static [&'static [usize]])| {
+                let term = Term { kind: *kind, shape: *shape, variant };
+                let mut atom = Atom::of(gather(&clean, groups), &baseline, term);
+                atom.reliable = reliability(&gather(&other, groups), &baseline, &atom);
+                atom
+            };
+            kind.variants().iter().enumerate().map(variant).collect()
+        };
+        // In the order of the catalogue whatever the number of workers: everything random hangs on it.
+        let atoms = terms.par_iter().flat_map_iter(evaluate).collect();
+        Self { atoms, baseline }
+    }
+
+    /// Evaluates what the force that acts is part of once more, on stages of which only that force is another.
+    pub fn renew(&mut self, design: &DesignMatrix, noisy: &DesignMatrix) {
+        let baseline = &self.baseline;
+        self.atoms.par_iter_mut().filter(|a| a.term.kind.reads_force()).for_each(|atom| {
+            *atom = Atom::new(design, baseline, atom.term);
+            atom.reliable = reliability(&noisy.columns(&atom.term), baseline, atom);
+        });
+    }
+
+    /// Takes an effect out.
+    pub fn exclude(&mut self, kind: TermKind) {
+        self.atoms.retain(|a| a.term.kind != kind);
+    }
+
+    /// Atoms that this recording can show: visible beside the baseline, and more signal than noise.
+    pub fn testable(&self) -> Vec<&Atom> {
+        self.atoms.iter().filter(|a| is_testable(a)).collect()
+    }
+}
+
+/// Whether an atom may be found: it stands out of the baseline at all, and above its own noise.
+pub fn is_testable(atom: &Atom) -> bool {
+    let kind = atom.term.kind;
+    let least = if kind.acts(Acts::OnForce) && kind.shape().is_empty() { CONCEALED_GAIN } else { CONCEALED };
+    !atom.columns.is_empty() && atom.visible >= least && atom.reliable >= needed_reliability(atom.term.kind)
+}
+
+/// Whether the recording can be relied on to show it: what is not found is not there.
+pub fn is_shown(atom: &Atom) -> bool {
+    is_testable(atom) && atom.visible >= CONCEALED
+}
+
+pub(crate) fn needed_reliability(kind: TermKind) -> f64 {
+    // The noise of these is the acceleration's own noise seen again: it correlates with the residual.
+    if kind.acts(Acts::OnMotion) {
+        0.99
+    } else if kind.acts(Acts::Behind) {
+        0.9
+    } else {
+        0.7
+    }
+}
+
+fn reliability(other: &[Vec<f64>], baseline: &Basis, atom: &Atom) -> f64 {
+    let (mut signal, mut noise) = (0.0, 0.0);
+    for (column, i) in atom.columns.iter().zip(&atom.active) {
+        let Some(other) = other.get(*i) else { continue };
+        let change: Vec<f64> = column.iter().zip(other).map(|(a, b)| a - b).collect();
+        let (rest, change) = (baseline.project_out(column), baseline.project_out(&change));
+        signal += dot(&rest, &rest);
+        noise += dot(&change, &change);
+    }
+    if signal > 0.0 { 1.0 - noise / signal } else { 0.0 }
+}

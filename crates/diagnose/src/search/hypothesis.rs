@@ -1,0 +1,107 @@
+//! The baseline with some effects beside it, fitted jointly.
+
+use crate::library::design_matrix::DesignMatrix;
+use crate::library::term::{Term, TermKind};
+use crate::regression::linear::{FOLDS, Fit, fit};
+use signals::{Basis, dot};
+
+/// A term with its columns on the design matrix.
+#[derive(Debug, Clone)]
+pub struct Atom {
+    /// The hypothesis.
+    pub term: Term,
+    /// Columns that the baseline does not already contain.
+    pub columns: Vec<Vec<f64>>,
+    /// Which of the term's free gains they are.
+    pub active: Vec<usize>,
+    /// Share of the columns left outside the baseline, 0 = concealed on this motion.
+    pub visible: f64,
+    /// Share of what is left that is signal rather than sensor noise.
+    pub reliable: f64,
+}
+
+impl Atom {
+    /// Evaluates a term; `baseline` is a basis of the baseline's columns.
+    pub fn new(design: &DesignMatrix, baseline: &Basis, term: Term) -> Self {
+        Self::of(design.columns(&term), baseline, term)
+    }
+
+    /// The same from columns that are already there.
+    pub fn of(all: Vec<Vec<f64>>, baseline: &Basis, term: Term) -> Self {
+        let mut columns = Vec::new();
+        let mut active = Vec::new();
+        let mut visible: f64 = 0.0;
+        for (i, column) in all.into_iter().enumerate() {
+            let size = dot(&column, &column).sqrt();
+            let rest = baseline.project_out(&column);
+            let left = dot(&rest, &rest).sqrt();
+            if size > 0.0 && size.is_finite() && left.is_finite() {
+                visible = visible.max(left / size);
+                if left > 1e-3 * size {
+                    columns.push(column);
+                    active.push(i);
+                }
+            }
+        }
+        Self { term, columns, active, visible, reliable: 1.0 }
+    }
+
+    /// What of each column is outside the span of `basis`.
+    pub fn outside(&self, basis: &Basis) -> Vec<Vec<f64>> {
+        self.columns.iter().map(|c| basis.project_out(c)).collect()
+    }
+
+    /// Whether gains lie in the range their effect accepts: a fit that ends outside is naming another effect.
+    pub fn physical(&self, coefficients: &[f64]) -> bool {
+        let gains = self.gains(coefficients);
+        self.term.kind.gains().iter().zip(gains).all(|(p, g)| g.is_finite() && g >= p.min && g <= p.max)
+    }
+
+    /// The effect's gains, spread over directions, from its coefficients in a fit.
+    pub fn gains(&self, coefficients: &[f64]) -> [f64; friction::effects::MAX_GAINS] {
+        let mut free = vec![0.0; self.term.free_gains().len()];
+        for (a, c) in self.active.iter().zip(coefficients) {
+            free[*a] = *c;
+        }
+        self.term.spread(&free)
+    }
+}
+
+/// The baseline with some terms.
+#[derive(Debug, Clone)]
+pub struct Hypothesis {
+    /// What was added.
+    pub atoms: Vec<Atom>,
+    /// The joint fit.
+    pub fit: Fit,
+}
+
+impl Hypothesis {
+    /// All columns: baseline first, then each atom's.
+    pub fn columns<'a>(design: &'a DesignMatrix, atoms: &'a [Atom]) -> Vec<&'a [f64]> {
+        let own = atoms.iter().flat_map(|a| a.columns.iter());
+        design.baseline.iter().chain(own).map(Vec::as_slice).collect()
+    }
+
+    /// Fits the baseline and `atoms` jointly.
+    pub fn new(design: &DesignMatrix, atoms: Vec<Atom>) -> Option<Self> {
+        let fit = fit(&Self::columns(design, &atoms), &design.y, &design.blocks, FOLDS)?;
+        Some(Self { atoms, fit })
+    }
+
+    /// First coefficient of atom `i`.
+    pub fn offset(&self, design: &DesignMatrix, i: usize) -> usize {
+        design.baseline.len() + self.atoms[..i].iter().map(|a| a.columns.len()).sum::<usize>()
+    }
+
+    /// Coefficients of atom `i`.
+    pub fn coefficients(&self, design: &DesignMatrix, i: usize) -> &[f64] {
+        let from = self.offset(design, i);
+        &self.fit.coefficients[from..from + self.atoms[i].columns.len()]
+    }
+
+    /// Whether an effect of this kind is among them.
+    pub fn has(&self, kind: TermKind) -> bool {
+        self.atoms.iter().any(|a| a.term.kind == kind)
+    }
+}

@@ -1,0 +1,131 @@
+//! What a search knows, and how it judges one hypothesis against another.
+
+use crate::library::design_matrix::DesignMatrix;
+use crate::library::scales::Scales;
+use crate::library::term::Term;
+use crate::regression::sign_flips::{Family, Scores, block_scores, family, gain_interval};
+use crate::search::catalogue::Catalogue;
+use crate::search::hypothesis::{Atom, Hypothesis};
+use rayon::prelude::*;
+use signals::{Basis, dot};
+
+/// Random signs drawn for a test, so that the smallest p value is 1/1000.
+pub const FLIPS: usize = 999;
+/// Family-wise level of a step.
+pub const LEVEL: f64 = 0.01;
+/// Cosine above which two explanations count as one on a recording.
+pub const COLLINEAR: f64 = 0.95;
+/// Share of what a term gains that another may lose in its place and still count as good.
+const AS_GOOD: f64 = 0.03;
+
+/// Settings of the search.
+#[derive(Debug, Clone, Copy)]
+pub struct Search<'a> {
+    /// The regression.
+    pub design: &'a DesignMatrix,
+    /// The same with one more draw of the sensors' noise.
+    pub noisy: &'a DesignMatrix,
+    /// The catalogue on it.
+    pub catalogue: &'a Catalogue,
+    /// Scales for refining shapes.
+    pub scales: &'a Scales,
+    /// Squared error that noise alone leaves.
+    pub floor: f64,
+    /// Squared error of the sensors that may repeat with the motion as physics does: nothing smaller is named.
+    pub systematic: f64,
+    /// Most terms.
+    pub max_terms: usize,
+    /// Hypotheses carried along.
+    pub width: usize,
+    /// Seed of every draw.
+    pub seed: u64,
+}
+
+impl Search<'_> {
+    /// Whether `rival`, with another term in the place of one of `best`, explains what it does; `without`: neither's.
+    pub fn is_as_good(&self, rival: &Hypothesis, best: &Hypothesis, without: Option<&Hypothesis>) -> bool {
+        let beyond_best = |h: &Hypothesis| h.fit.heldout_sum() - best.fit.heldout_sum();
+        self.interval(rival, best)[0] <= 0.0
+            || beyond_best(rival) < AS_GOOD * without.map_or(0.0, beyond_best)
+    }
+
+    /// What term `i` adds to the prediction, outside the span of `basis`.
+    pub fn contribution(&self, h: &Hypothesis, i: usize, basis: &Basis) -> Vec<f64> {
+        let mut sum = vec![0.0; self.design.y.len()];
+        for (c, column) in h.coefficients(self.design, i).iter().zip(&h.atoms[i].columns) {
+            for (s, x) in sum.iter_mut().zip(column) {
+                *s += c * x;
+            }
+        }
+        basis.project_out(&sum)
+    }
+
+    /// Whether every gain lies in the range its effect accepts, and a mass that the baseline has is not taken below zero
+    /// by what would then push it.
+    pub fn physical(&self, h: &Hypothesis) -> bool {
+        let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
+        (mass >= 0.0 || self.design.blocks.mass < 0.0)
+            && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.design, i)))
+    }
+
+    /// Residual of `parent` against every testable column, noise taken from `child`.
+    pub fn test(&self, parent: &Hypothesis, child: &Hypothesis, extra: &[Atom]) -> (Vec<Term>, Family) {
+        let basis = Basis::of(&Hypothesis::columns(self.design, &parent.atoms));
+        let spread =
+            (dot(&child.fit.residual, &child.fit.residual) / child.fit.residual.len().max(1) as f64).sqrt();
+        let score = |atom: &&Atom| -> Vec<(Term, Scores, Scores, f64)> {
+            let of = |column: &Vec<f64>| {
+                let rest = basis.project_out(column);
+                let size = dot(&rest, &rest).sqrt();
+                (size > 0.02 * dot(column, column).sqrt()).then(|| {
+                    let blocks = &self.design.blocks;
+                    let observed = block_scores(&rest, &parent.fit.residual, blocks);
+                    (atom.term, observed, block_scores(&rest, &child.fit.residual, blocks), size * spread)
+                })
+            };
+            atom.columns.iter().filter_map(of).collect()
+        };
+        let atoms: Vec<&Atom> = self.catalogue.testable().into_iter().chain(extra).collect();
+        let scores: Vec<_> = atoms.par_iter().flat_map_iter(score).collect();
+        let (mut observed, mut noise, mut scale, mut terms) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (t, o, n, s) in scores {
+            terms.push(t);
+            observed.push(o);
+            noise.push(n);
+            scale.push(s);
+        }
+        (terms, family(&observed, &noise, &scale, FLIPS, self.seed))
+    }
+
+    /// Family-wise p of the best column of `atoms` against `parent`.
+    pub fn significance(&self, parent: &Hypothesis, child: &Hypothesis, atoms: &[Atom]) -> f64 {
+        let (terms, family) = self.test(parent, child, atoms);
+        terms
+            .iter()
+            .zip(&family.p)
+            .filter(|(t, _)| atoms.iter().any(|a| a.term == **t))
+            .map(|(_, p)| *p)
+            .fold(1.0, f64::min)
+    }
+
+    /// 95 % interval of the held-out gain from `parent` to `child`.
+    pub fn interval(&self, parent: &Hypothesis, child: &Hypothesis) -> [f64; 2] {
+        gain_interval(
+            &parent.fit.heldout,
+            &child.fit.heldout,
+            &self.design.block_weight(),
+            &self.design.blocks.recordings,
+            1000,
+            self.seed ^ 0x9e37,
+        )
+    }
+
+    /// Held-out squares, and what the shapes cost: they were chosen on all the data, which holding out does not see.
+    /// ln(n)/2 each in log-likelihood, as in Schwarz's criterion.
+    pub fn cost(&self, h: &Hypothesis) -> f64 {
+        let rows: f64 = self.design.block_weight().iter().sum();
+        let shapes: usize = h.atoms.iter().map(|a| a.term.kind.shape().len()).sum();
+        h.fit.heldout_sum() + shapes as f64 * rows.max(2.0).ln() * self.floor / rows.max(1.0)
+    }
+}

@@ -1,0 +1,283 @@
+//! Whether what was named lasts: a term must predict the part of the motion that it was not fitted on.
+//!
+//! Blocks of a periodic motion are copies of each other, and what fits one fits the next by chance as well as by
+//! physics. So whole *regimes* are left out: a recording, a half of the time, a wavelength of a line. The gains are fitted
+//! on the rest; over all regimes left out in turn, where the term would have to save something if it were real, it must
+//! save squared error.
+//!
+//! A term that ends on a bound of its shape is a symptom of something else, and does not last either.
+
+use crate::findings::locate::{row_motion, row_times};
+use crate::library::design_matrix::DesignMatrix;
+use crate::library::term::TermKind;
+use crate::regression::linear::solve;
+use crate::search::hypothesis::{Atom, Hypothesis};
+use crate::search::joint::at_end;
+use crate::search::judgement::Search;
+use crate::search::refine::FINE;
+use friction::effects::Scale;
+use signals::{Basis, dot, quantile};
+
+/// Rows of one kind of motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Regime {
+    /// For a person: `the second half of the recording`.
+    pub name: String,
+    /// Whether each row is part of it.
+    rows: Vec<bool>,
+}
+
+impl Regime {
+    fn count(&self) -> usize {
+        self.rows.iter().filter(|r| **r).count()
+    }
+}
+
+/// A term that was named and taken back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Withdrawn {
+    /// What it was.
+    pub kind: TermKind,
+    /// Where it fails, or the bound it ends on.
+    pub regime: String,
+    /// Root mean square error there without the term and with it, fitted on the rest.
+    pub rms: (f64, f64),
+}
+
+/// Fewest rows of a regime, and of what is left for fitting.
+const FEWEST: usize = 60;
+
+/// Size of a term over its noise from which on a regime judges it.
+const JUDGES: f64 = 5.0;
+
+/// Fewest wavelengths on the stroke for a line to be one that repeats.
+const PERIODS: f64 = 3.0;
+
+/// Most wavelengths that are each left out in turn.
+const MOST_PERIODS: usize = 12;
+
+/// The regimes of a motion: each recording, or either half of the time where there is one only.
+pub fn regimes(design: &DesignMatrix, names: &[String]) -> Vec<Regime> {
+    let used = |r: usize| design.share[r] > 0.5;
+    let rows = design.share.len();
+    let time = row_times(design);
+    let mut recording = Vec::with_capacity(rows);
+    for t in &design.tracks {
+        recording.extend(std::iter::repeat_n(t.raw.recording, t.row_count()));
+    }
+    let mut out = Vec::new();
+    let mut add = |name: String, of: &dyn Fn(usize) -> bool| {
+        let rows: Vec<bool> = (0..rows).map(|r| used(r) && of(r)).collect();
+        let inside = rows.iter().filter(|x| **x).count();
+        let outside = (0..rows.len()).filter(|r| used(*r) && !rows[*r]).count();
+        if inside >= FEWEST && outside >= FEWEST {
+            out.push(Regime { name, rows });
+        }
+    };
+    for (index, name) in names.iter().enumerate().filter(|_| names.len() > 1) {
+        add(name.clone(), &|r| recording[r] == index);
+    }
+    let median = |values: &[f64]| {
+        let used: Vec<f64> =
+            values.iter().enumerate().filter(|(r, v)| used(*r) && v.is_finite()).map(|(_, v)| *v).collect();
+        quantile(&used, 0.5)
+    };
+    if names.len() == 1 {
+        let middle = median(&time);
+        add("the first half of the recording".into(), &|r| time[r] <= middle);
+        add("the second half of the recording".into(), &|r| time[r] > middle);
+    }
+    out
+}
+
+/// The wavelengths of a line on the stroke, each a regime: a line comes again in every one of them.
+fn periods(search: &Search, found: &Hypothesis, i: usize) -> Vec<Regime> {
+    let term = &found.atoms[i].term;
+    let wave = term.kind.shape().iter().position(|p| p.scale == Scale::Wavelength);
+    let Some(wave) = wave.map(|axis| term.shape[axis]) else { return Vec::new() };
+    let (low, high) = search.scales.stroke;
+    let count = ((high - low) / wave).floor() as usize;
+    let (position, _) = row_motion(search.design);
+    let share = &search.design.share;
+    (0..count.min(MOST_PERIODS))
+        .map(|k| {
+            let from = low + k as f64 * wave;
+            let inside = |(x, s): (&f64, &f64)| *s > 0.5 && *x >= from && *x < from + wave;
+            Regime {
+                name: format!("wavelength {} of {count} on the stroke", k + 1),
+                rows: position.iter().zip(share).map(inside).collect(),
+            }
+        })
+        .collect()
+}
+
+/// Rows in use, in the regime or outside of it.
+fn rows_of(design: &DesignMatrix, regime: &Regime, inside: bool) -> Vec<usize> {
+    (0..design.share.len()).filter(|r| design.share[*r] > 0.5 && regime.rows[*r] == inside).collect()
+}
+
+/// Least squares over some rows; None where the columns are dependent there.
+fn solve_rows(columns: &[&[f64]], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> {
+    let gather = |of: &[f64]| rows.iter().map(|r| of[*r]).collect::<Vec<f64>>();
+    let columns: Vec<Vec<f64>> = columns.iter().map(|c| gather(c)).collect();
+    solve(&columns, &gather(y))
+}
+
+/// Squared error over some rows.
+fn error(columns: &[&[f64]], y: &[f64], coefficients: &[f64], rows: &[usize]) -> f64 {
+    let left = |r: &usize| y[*r] - columns.iter().zip(coefficients).map(|(c, b)| c[*r] * b).sum::<f64>();
+    rows.iter().map(|r| left(r).powi(2)).sum()
+}
+
+/// Squared error of a regime without a term and with it, the term's gains fitted on the rest; None where a term that is real
+/// would not have to show. `columns` are the term's outside of the span of all others, `y` is what the others leave.
+///
+/// The others keep what the fit to all rows gives them: else each regime would judge how all of them extrapolate at once.
+fn judge(
+    design: &DesignMatrix,
+    columns: &[&[f64]],
+    y: &[f64],
+    all: &[f64],
+    noise: f64,
+    regime: &Regime,
+) -> Option<(f64, f64)> {
+    let (rest, inside) = (rows_of(design, regime, false), rows_of(design, regime, true));
+    let none = vec![0.0; columns.len()];
+    let power = |rows: &[usize]| {
+        let said = |r: &usize| columns.iter().zip(all).map(|(c, b)| c[*r] * b).sum::<f64>();
+        rows.iter().map(|r| said(r).powi(2)).sum::<f64>()
+    };
+    if power(&rest).min(power(&inside)) < JUDGES * JUDGES * noise * columns.len() as f64 {
+        return None;
+    }
+    let fitted = solve_rows(columns, y, &rest)?;
+    Some((error(columns, y, &none, &inside), error(columns, y, &fitted, &inside)))
+}
+
+impl Search<'_> {
+    /// Takes back what does not last, the worst first, until everything that is left does: the hypothesis, the p value of
+    /// each of its terms, and what was taken back.
+    pub fn lasting(
+        &self,
+        (mut found, mut p): (Hypothesis, Vec<f64>),
+        regimes: &[Regime],
+    ) -> (Hypothesis, Vec<f64>, Vec<Withdrawn>) {
+        let mut withdrawn = Vec::new();
+        let Some(baseline) = Hypothesis::new(self.design, Vec::new()) else { return (found, p, withdrawn) };
+        while let Some((i, why)) = worst(self, &found, regimes) {
+            let mut atoms = found.atoms.clone();
+            atoms.remove(i);
+            let Some(without) = Hypothesis::new(self.design, atoms) else { break };
+            withdrawn.push(why);
+            (found, p) = self.prune(self.refine(without, FINE), baseline.fit.heldout_sum());
+        }
+        (found, p, withdrawn)
+    }
+}
+
+/// The term that lasts least, none where all do.
+fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usize, Withdrawn)> {
+    let bound = (0..found.atoms.len()).find_map(|i| {
+        let kind = found.atoms[i].term.kind;
+        let regime = on_bound(search, found, i)?;
+        Some((i, Withdrawn { kind, regime, rms: (f64::NAN, f64::NAN) }))
+    });
+    if bound.is_some() {
+        return bound;
+    }
+    let design = search.design;
+    let noise = noise(design, found);
+    let mut failed: Option<(f64, usize, Withdrawn)> = None;
+    for i in 0..found.atoms.len() {
+        let mut others = found.atoms.clone();
+        others.remove(i);
+        let basis = Basis::of(&Hypothesis::columns(design, &others));
+        let own = found.atoms[i].outside(&basis);
+        let own: Vec<&[f64]> = own.iter().map(Vec::as_slice).collect();
+        let y = basis.project_out(&design.y);
+        let Some(all) = solve(&own, &y) else { continue };
+        let of = |regime: &Regime| judge(design, &own, &y, &all, noise, regime);
+        let mut note = |name: &str, rows: usize, (without, with): (f64, f64)| {
+            let ratio = with / without;
+            if failed.as_ref().is_none_or(|f| ratio > f.0) {
+                let rms = |sum: f64| (sum / rows.max(1) as f64).sqrt();
+                let kind = found.atoms[i].term.kind;
+                let withdrawn = Withdrawn { kind, regime: name.into(), rms: (rms(without), rms(with)) };
+                failed = Some((ratio, i, withdrawn));
+            }
+        };
+        // one regime may fail by what is not in the model; all of them together decide
+        for parts in [regimes, &periods(search, found, i)] {
+            let judged: Vec<_> = parts.iter().filter_map(|r| Some((r, of(r)?))).collect();
+            let sum = judged.iter().fold((0.0, 0.0), |s, (_, e)| (s.0 + e.0, s.1 + e.1));
+            let worst = judged.iter().max_by(|a, b| (a.1.1 - a.1.0).total_cmp(&(b.1.1 - b.1.0)));
+            if let Some((regime, errors)) = worst.filter(|_| sum.1 >= sum.0) {
+                note(&regime.name, regime.count(), *errors);
+            }
+        }
+    }
+    failed.map(|(_, i, why)| (i, why))
+}
+
+/// Cost of a step away from a bound over its standard deviation from which on the recording pushes against it.
+const PUSHED: f64 = 2.0;
+
+/// Step from a bound, as a share of the range of a shape parameter.
+const INWARD: f64 = 0.1;
+
+/// Whether the recording pushes a shape parameter against the end where it stands: a step away from it costs surely more
+/// than noise would. Otherwise it only does not matter, as the place of an end of the stroke that is never reached.
+fn is_pushed(search: &Search, found: &Hypothesis, i: usize, axis: usize) -> bool {
+    let design = search.design;
+    let (low, high, log) = search.scales.range(&found.atoms[i].term.kind.shape()[axis]);
+    let from = if log { |x: f64| x.ln() } else { |x: f64| x };
+    let to = if log { |x: f64| x.exp() } else { |x: f64| x };
+    let here = from(found.atoms[i].term.shape[axis]);
+    let way = if here - from(low) < from(high) - here { 1.0 } else { -1.0 };
+    let mut atoms = found.atoms.clone();
+    atoms[i].term.shape[axis] = to(here + way * INWARD * (from(high) - from(low)));
+    atoms[i] = Atom::new(design, &search.catalogue.baseline, atoms[i].term);
+    let Some(inward) = Hypothesis::new(design, atoms) else { return false };
+    let squared = |h: &Hypothesis| dot(&h.fit.residual, &h.fit.residual);
+    squared(&inward) - squared(found) > PUSHED * PUSHED * noise(design, found)
+}
+
+/// Variance of the sum of neighbouring rows, over their number: rows follow each other and err alike.
+fn noise(design: &DesignMatrix, found: &Hypothesis) -> f64 {
+    let used = design.share.iter().filter(|s| **s > 0.5).count().max(1) as f64;
+    let apart = (design.share.len() as f64 / design.blocks.len().max(1) as f64).clamp(1.0, 10.0);
+    dot(&found.fit.residual, &found.fit.residual) / used * apart
+}
+
+/// Why the shape of term `i` says nothing: it stands at an end of what was tried, or a line does not come again.
+fn on_bound(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
+    let atom = &found.atoms[i];
+    for (axis, parameter) in atom.term.kind.shape().iter().enumerate() {
+        if parameter.scale == Scale::Wavelength {
+            let (low, high) = search.scales.stroke;
+            if atom.term.shape[axis] * PERIODS > high - low {
+                return Some("fewer than three wavelengths on the stroke".into());
+            }
+        } else if at_end(search, atom, axis) && is_pushed(search, found, i, axis) {
+            return Some(format!("{} ends on a bound", parameter.name));
+        }
+    }
+    None
+}
+
+/// Root mean square error of the baseline and of `found` in the recording or the half of the time left out in which
+/// `found` does worst against the baseline, all gains fitted on the rest.
+pub fn left_out(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(String, f64, f64)> {
+    let design = search.design;
+    let columns = Hypothesis::columns(design, &found.atoms);
+    let of = |regime: &Regime| {
+        let (rest, inside) = (rows_of(design, regime, false), rows_of(design, regime, true));
+        let rms = |columns: &[&[f64]]| {
+            let fitted = solve_rows(columns, &design.y, &rest)?;
+            Some((error(columns, &design.y, &fitted, &inside) / inside.len() as f64).sqrt())
+        };
+        Some((regime.name.clone(), rms(&columns[..design.baseline.len()])?, rms(&columns)?))
+    };
+    let ratio = |x: &(String, f64, f64)| x.2 / x.1;
+    regimes.iter().filter_map(of).max_by(|a, b| ratio(a).total_cmp(&ratio(b)))
+}

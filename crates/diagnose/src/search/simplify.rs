@@ -1,0 +1,145 @@
+//! The simplest hypothesis that explains a recording as well.
+
+use crate::library::term::{Term, TermKind};
+use crate::search::catalogue::is_testable;
+use crate::search::hypothesis::{Atom, Hypothesis};
+use crate::search::judgement::{COLLINEAR, Search};
+use crate::search::refine::ROUGH;
+use friction::effects::Scale;
+use rayon::prelude::*;
+use signals::{Basis, dot};
+
+impl Search<'_> {
+    /// Takes out of each term the gains that its recording does not ask for: the second harmonic, a second end of the
+    /// stroke, a difference between the directions. A line may stand at twice its wavelength as a second harmonic.
+    pub fn plain(&self, mut best: Hypothesis) -> Hypothesis {
+        for i in 0..best.atoms.len() {
+            let own = best.atoms[i].clone();
+            let kind = own.term.kind;
+            let mut shapes = vec![own.term.shape];
+            if let Some(wave) = kind.shape().iter().position(|p| p.scale == Scale::Wavelength) {
+                let mut half = own.term.shape;
+                half[wave] *= 0.5;
+                shapes.push(half);
+            }
+            let mut simpler: Vec<Hypothesis> = (0..kind.variants().len())
+                .flat_map(|variant| shapes.iter().map(move |shape| Term { kind, shape: *shape, variant }))
+                .filter_map(|term| {
+                    let mut atom = Atom::new(self.design, &self.catalogue.baseline, term);
+                    atom.reliable = own.reliable;
+                    let fewer = is_testable(&atom) && atom.columns.len() < own.columns.len();
+                    let mut atoms = best.atoms.clone();
+                    atoms[i] = atom;
+                    fewer.then(|| Hypothesis::new(self.design, atoms)).flatten()
+                })
+                .map(|h| self.refine(h, ROUGH))
+                .filter(|h| self.physical(h) && self.interval(h, &best)[0] <= 0.0)
+                .collect();
+            let size = |h: &Hypothesis| h.atoms[i].columns.len();
+            simpler.sort_by(|a, b| {
+                size(a).cmp(&size(b)).then(a.fit.heldout_sum().total_cmp(&b.fit.heldout_sum()))
+            });
+            if let Some(first) = simpler.into_iter().next() {
+                best = first;
+            }
+        }
+        best
+    }
+
+    /// Replaces each term, and each two, by the simplest one that explains this recording as well: a spring rather than
+    /// friction that depends on position with opposite slopes for the two directions, a hardening spring rather than a
+    /// spring and a pendulum against it.
+    pub fn simplify(&self, mut best: Hypothesis) -> Hypothesis {
+        let count = best.atoms.len();
+        for i in 0..count {
+            if let Some(rival) = self.simpler(&best, &[i]) {
+                best = rival;
+            }
+        }
+        for pair in (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])) {
+            if let Some(rival) = self.simpler(&best, &pair) {
+                return self.simplify(rival);
+            }
+        }
+        best
+    }
+
+    /// Puts the effect that its shape is rather a case of in the place of a term: with a power above 1 a friction that
+    /// should level off grows faster than the speed, and beside a free viscous part that is friction which falls.
+    pub fn rather(&self, best: Hypothesis) -> Hypothesis {
+        let rather = |a: &Atom| match a.term.kind {
+            TermKind::Force(kind) => kind.rather(&a.term.shape).map(TermKind::Force),
+            TermKind::Series(_) => None,
+        };
+        let Some((i, kind)) = best.atoms.iter().enumerate().find_map(|(i, a)| Some((i, rather(a)?))) else {
+            return best;
+        };
+        if best.has(kind) {
+            return best;
+        }
+        let mut others = best.atoms.clone();
+        others.remove(i);
+        let without = Hypothesis::new(self.design, others);
+        let rivals = self.catalogue.testable().into_iter().filter(|a| a.term.kind == kind).filter_map(|a| {
+            let mut atoms = best.atoms.clone();
+            atoms[i] = a.clone();
+            Hypothesis::new(self.design, atoms)
+        });
+        let rival = rivals.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
+        let Some(rival) = rival.map(|h| self.refine(h, ROUGH)).filter(|h| self.physical(h)) else {
+            return best;
+        };
+        if self.is_as_good(&rival, &best, without.as_ref()) { rival } else { best }
+    }
+
+    /// The simplest hypothesis with one term in the place of the `group`, where one is as good.
+    fn simpler(&self, best: &Hypothesis, group: &[usize]) -> Option<Hypothesis> {
+        let size = |a: &Atom| a.columns.len() + a.term.kind.shape().len();
+        let of_group: usize = group.iter().map(|i| size(&best.atoms[*i])).sum();
+        let others: Vec<Atom> = best
+            .atoms
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| !group.contains(i))
+            .map(|(_, a)| a.clone())
+            .collect();
+        let basis = Basis::of(&Hypothesis::columns(self.design, &others));
+        let mut own = vec![0.0; self.design.y.len()];
+        for i in group {
+            for (sum, x) in own.iter_mut().zip(self.contribution(best, *i, &basis)) {
+                *sum += x;
+            }
+        }
+        let kept = |a: &Atom| Basis::of(&a.outside(&basis)).captured(&own);
+        let power = dot(&own, &own);
+        // A grid point is not the best shape yet: let in a little less and refine.
+        let mut simpler: Vec<(usize, f64, &Atom)> = self
+            .catalogue
+            .testable()
+            .into_par_iter()
+            .filter(|a| !best.has(a.term.kind) && size(a) < of_group)
+            .map(|a| (size(a), kept(a), a))
+            .filter(|(_, kept, _)| *kept >= 0.8 * power)
+            .collect();
+        simpler.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        let mut tried: Vec<TermKind> = Vec::new();
+        for (_, _, atom) in simpler {
+            if tried.contains(&atom.term.kind) {
+                continue;
+            }
+            tried.push(atom.term.kind);
+            let mut atoms = others.clone();
+            atoms.insert(group[0], atom.clone());
+            let Some(rival) = Hypothesis::new(self.design, atoms).map(|h| self.refine(h, ROUGH)) else {
+                continue;
+            };
+            let as_good = kept(&rival.atoms[group[0]]) >= COLLINEAR * COLLINEAR * power
+                && self.interval(&rival, best)[0] <= 0.0
+                && self.physical(&rival);
+            if as_good {
+                return Some(rival);
+            }
+        }
+        None
+    }
+}

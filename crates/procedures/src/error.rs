@@ -1,0 +1,86 @@
+//! What can end a procedure.
+
+use std::path::PathBuf;
+
+/// What a procedure returns.
+pub(crate) type Result<T> = std::result::Result<T, Error>;
+
+/// A procedure that cannot go on. The message is one line; [`Error::help`] says what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The device, or its line.
+    #[error(transparent)]
+    Device(#[from] client::Error),
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] signals::files::FileError),
+    /// A folder cannot be made.
+    #[error("{}: cannot be made a folder: {reason}", path.display())]
+    Folder {
+        /// Which.
+        path: PathBuf,
+        /// Of the operating system.
+        reason: String,
+    },
+    /// A recording or a model cannot be read or used.
+    #[error(transparent)]
+    Recording(#[from] signals::Error),
+    /// Neither a file nor a preset of the library.
+    #[error("{error}")]
+    NoPreset {
+        /// Why it is no file.
+        error: signals::Error,
+    },
+    /// Recordings cannot be diagnosed.
+    #[error(transparent)]
+    Diagnosis(#[from] diagnose::Error),
+    /// Recordings cannot be compared.
+    #[error(transparent)]
+    Comparison(#[from] compare::Error),
+    /// A picture cannot be drawn.
+    #[error(transparent)]
+    Draw(#[from] report::picture::DrawError),
+    /// The virtual device refuses the block.
+    #[error("{0}")]
+    Block(String),
+    /// The device refuses a parameter of an identified model.
+    #[error("the device refuses what was identified: {0}")]
+    Identified(String),
+    /// The simulated rig refuses a model or a move.
+    #[error("the simulated rig refuses: {0}")]
+    Rig(String),
+    /// A fault ended the simulation.
+    #[error("the simulated rig stopped after {seconds:.3} s: {fault}")]
+    Stopped {
+        /// Time of the simulation, s.
+        seconds: f64,
+        /// The fault in words.
+        fault: String,
+    },
+    /// A model gave a force that is no number.
+    #[error("the model gave a force that is not a number")]
+    NotFinite,
+    /// No move is left to make.
+    #[error("no move to make")]
+    NoMove,
+    /// Interrupted before anything was diagnosed.
+    #[error("interrupted before the first recording was complete: nothing was diagnosed")]
+    Interrupted,
+}
+
+impl Error {
+    /// What to do about it, in one line.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::Device(error) => error.help(),
+            Self::Comparison(error) => error.help().map(str::to_owned),
+            Self::NoPreset { .. } => Some("`tribos preset list` has the names of the library".to_owned()),
+            Self::Stopped { .. } => {
+                Some("a smaller amplitude or a lower frequency asks less of it".to_owned())
+            }
+            _ => None,
+        }
+    }
+}

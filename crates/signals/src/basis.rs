@@ -1,0 +1,122 @@
+//! Linear algebra over columns of many rows: inner products, orthonormal bases, random signs of blocks.
+
+use pulp::Arch;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::borrow::Borrow;
+
+/// Inner product, in eight partial sums: one running sum would have to wait for itself at every term. The same bits on
+/// every processor: the widest registers it has are used, nothing is fused.
+#[must_use]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len());
+    let ((a, rest_a), (b, rest_b)) = (a[..n].as_chunks::<8>(), b[..n].as_chunks::<8>());
+    let sums = Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let mut sums = [0.0; 8];
+            for (a, b) in a.iter().zip(b) {
+                for ((s, x), y) in sums.iter_mut().zip(a).zip(b) {
+                    *s += x * y;
+                }
+            }
+            sums
+        },
+    );
+    sums.iter().sum::<f64>() + rest_a.iter().zip(rest_b).map(|(x, y)| x * y).sum::<f64>()
+}
+
+/// Subtracts `times` a column from another.
+pub fn subtract_scaled(from: &mut [f64], times: f64, column: &[f64]) {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for (x, q) in from.iter_mut().zip(column) {
+                *x -= times * q;
+            }
+        },
+    );
+}
+
+/// An orthonormal basis of the columns pushed so far.
+#[derive(Debug, Clone, Default)]
+pub struct Basis {
+    columns: Vec<Vec<f64>>,
+}
+
+impl Basis {
+    /// A basis of `columns`; those that depend on earlier ones are left out.
+    #[must_use]
+    pub fn of<C: Borrow<[f64]>>(columns: &[C]) -> Self {
+        let mut basis = Self::default();
+        for column in columns {
+            basis.push(column.borrow());
+        }
+        basis
+    }
+
+    /// Adds the direction of `column`; false when it is already in the span.
+    pub fn push(&mut self, column: &[f64]) -> bool {
+        let size = dot(column, column).sqrt();
+        let mut rest = self.project_out(column);
+        let left = dot(&rest, &rest).sqrt();
+        if !left.is_finite() || left <= 1e-7 * size || left == 0.0 {
+            return false;
+        }
+        for x in &mut rest {
+            *x /= left;
+        }
+        self.columns.push(rest);
+        true
+    }
+
+    /// What is left of `column` outside the span; projected again where rounding could show.
+    #[must_use]
+    pub fn project_out(&self, column: &[f64]) -> Vec<f64> {
+        let mut rest = column.to_vec();
+        let mut size = dot(&rest, &rest);
+        for _ in 0..3 {
+            for q in &self.columns {
+                let along = dot(q, &rest);
+                subtract_scaled(&mut rest, along, q);
+            }
+            let left = dot(&rest, &rest);
+            if left > 0.01 * size {
+                break;
+            }
+            size = left;
+        }
+        rest
+    }
+
+    /// Squared length of the part of `column` inside the span.
+    #[must_use]
+    pub fn captured(&self, column: &[f64]) -> f64 {
+        self.columns.iter().map(|q| dot(q, column).powi(2)).sum()
+    }
+}
+
+/// Draws of a random sign for every block.
+#[must_use]
+pub fn random_signs(draws: usize, blocks: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut sign = || if random.random::<bool>() { 1.0 } else { -1.0 };
+    (0..draws).map(|_| (0..blocks).map(|_| sign()).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dependent_columns_add_no_direction() {
+        let a: Vec<f64> = (0..400).map(|i| f64::from(i % 17) - 8.0).collect();
+        let b: Vec<f64> = (0..400).map(|i| (f64::from(i) * 0.037).cos()).collect();
+        let y: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 2.0 * a - 3.0 * b).collect();
+        let mut basis = Basis::of(&[&a[..], &b[..]]);
+        assert!(!basis.push(&y));
+        assert!((basis.captured(&y) / dot(&y, &y) - 1.0).abs() < 1e-12);
+        let rest = basis.project_out(&y);
+        assert!(dot(&rest, &rest) < 1e-20 * dot(&y, &y));
+    }
+}

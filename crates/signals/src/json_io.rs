@@ -1,0 +1,117 @@
+//! Recordings from JSON: a list of samples, `[{"t": 0.0, "q": 0.1}, …]`, or an object of columns, `{"t": [0.0, …]}`.
+//!
+//! The samples are the file itself or a member of it with any name; the longest list is used. Numbers beside the list are constants
+//! for a map, and texts and numbers beside it are metadata. `true` is 1, `false` is 0, `null` is a missing value.
+
+use crate::mat_io::{Variable, assemble};
+use crate::{Error, Map, Recording};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+pub(crate) fn read<'m>(
+    file: &str,
+    bytes: &[u8],
+    map: impl Fn(&dyn Fn(&str) -> bool) -> Option<&'m Map>,
+) -> Result<Recording, Error> {
+    let fail = |why: String| Error::File { file: file.into(), why };
+    let root: Value = serde_json::from_slice(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
+        .map_err(|e| fail(format!("is not JSON: {e}")))?;
+    let variables = variables(&root);
+    if !variables.iter().any(|v| v.values.as_ref().is_some_and(|v| v.len() > 1)) {
+        let accepted =
+            r#"accepted is a list of samples, [{"time_s": 0.0, …}, …], or columns, {"time_s": [0.0, …], …}"#;
+        return Err(fail(format!("has no samples; {accepted}")));
+    }
+    let mut recording = assemble(file, &variables, map)?;
+    recording.metadata = metadata(&root);
+    Ok(recording)
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Number(n) => n.as_f64(),
+        Value::Bool(b) => Some(f64::from(u8::from(*b))),
+        Value::Null => Some(f64::NAN),
+        _ => None,
+    }
+}
+
+/// A list whose members are objects: samples.
+fn samples(value: &Value) -> Option<&Vec<Value>> {
+    value.as_array().filter(|list| !list.is_empty() && list.iter().all(Value::is_object))
+}
+
+fn variables(root: &Value) -> Vec<Variable> {
+    let mut out = Vec::new();
+    let mut columns: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    let inside = root.as_object().into_iter().flat_map(|o| o.values());
+    if let Some(list) = std::iter::once(root).chain(inside).filter_map(samples).max_by_key(|l| l.len()) {
+        let names = list.iter().filter_map(Value::as_object).flat_map(|sample| sample.keys());
+        for name in names {
+            if !columns.contains_key(name.as_str()) {
+                // what a sample lacks is not there; what is text is no number
+                let of = |sample: &Value| sample.get(name).map_or(Some(f64::NAN), number).unwrap_or(f64::NAN);
+                columns.insert(name, list.iter().map(of).collect());
+            }
+        }
+    }
+    for (name, value) in root.as_object().into_iter().flatten() {
+        let column: Option<Vec<f64>> = match value {
+            Value::Array(list) => list.iter().map(number).collect(),
+            single => number(single).map(|v| vec![v]),
+        };
+        if let Some(column) = column
+            && !columns.contains_key(name.as_str())
+        {
+            columns.insert(name, column);
+        }
+    }
+    for (name, values) in columns {
+        let kind = if values.len() == 1 { "number" } else { "list" };
+        let size = vec![i32::try_from(values.len()).unwrap_or(i32::MAX)];
+        out.push(Variable { name: name.to_string(), kind, size, values: Some(values) });
+    }
+    out
+}
+
+/// Text and numbers beside the samples.
+fn metadata(root: &Value) -> BTreeMap<String, String> {
+    let mut out = BTreeMap::new();
+    for (name, value) in root.as_object().into_iter().flatten() {
+        match value {
+            Value::String(text) => out.insert(name.clone(), text.clone()),
+            Value::Number(number) => out.insert(name.clone(), number.to_string()),
+            _ => None,
+        };
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_columns_constants_and_holes_are_read() {
+        let map: Map = "time_s=t,position_rad=q,torque_nm=max(-12, min(12, kp*(goal-q)*on))".parse().unwrap();
+        let text = br#"{"kp": 10, "motor": "x", "log": [{"t": 0, "q": 0.0, "goal": 0.1, "on": true},
+            {"t": 0.1, "q": null, "goal": 5, "on": true}, {"t": 0.2, "q": 1.0, "goal": 9, "on": true},
+            {"t": 0.3, "q": 1.0, "goal": 9, "on": false}]}"#;
+        let r = read("a.json", text, |_| Some(&map)).unwrap();
+        assert_eq!(r.force[0], 1.0);
+        assert!(r.position[1].is_nan() && r.force[1].is_nan());
+        assert_eq!(r.force[2..], [12.0, 0.0]);
+        assert_eq!(r.metadata["motor"], "x");
+        let columns = br#"{"time_s": [0, 1], "position_m": [1, 2], "force_n": [3, 4]}"#;
+        assert_eq!(read("b.json", columns, |_| None).unwrap().force, [3.0, 4.0]);
+        for (bad, says) in [
+            (&b"[1, 2"[..], "is not JSON"),
+            (b"{}", "has no samples"),
+            (b"[]", "has no samples"),
+            (br#"[{"a": 1}, {"a": 2}]"#, "a (2 list)"),
+        ] {
+            let said = read("bad.json", bad, |_| None).unwrap_err().to_string();
+            assert!(said.contains("bad.json") && said.contains(says), "{said}");
+        }
+    }
+}

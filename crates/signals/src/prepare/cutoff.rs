@@ -1,0 +1,176 @@
+//! Where the filter cuts: for a search for what is missing, and for the fit of one law.
+//!
+//! The two have different needs, which was measured: behind the cut-off of a search an identification is worse (hsm150:
+//! an inertia five times too small), behind that of a fit with an accelerometer a diagnosis names effects where none is
+//! (13 of 60 nulls instead of at most 3).
+
+use super::channels::Channels;
+use crate::stretches::rms_frequency;
+use crate::{
+    Basis, LowPass, Source, Sources, central_difference, dot, four_point_difference, noise_std,
+    noise_variance, rms, spread,
+};
+use std::f64::consts::PI;
+
+/// Share of the acceleration's root mean square that its error may be behind the filter of a fit.
+const NOISE_SHARE: f64 = 0.05;
+/// Error of the inertial force that does no harm, as a share of the force's spread.
+const NEGLIGIBLE: f64 = 0.005;
+/// Highest cut-off, Hz, and as a share of the sampling rate: above an eighth differences are no derivatives any more.
+const HIGHEST: f64 = 150.0;
+const HIGHEST_SHARE: f64 = 0.125;
+/// Lowest cut-off, in frequencies of the motion: its harmonics have to pass.
+const HARMONICS: f64 = 8.0;
+
+/// Standard deviation of the white noise of each channel, and of what is derived behind a low-pass.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Noise {
+    /// Of a raw position sample, m or rad.
+    pub position: f64,
+    /// Of a raw force sample, N or N·m.
+    pub force: f64,
+    /// Of the velocity behind the low-pass, m/s or rad/s.
+    pub velocity: f64,
+    /// Of the acceleration behind the low-pass, m/s² or rad/s².
+    pub acceleration: f64,
+}
+
+/// Standard deviation of white noise of unit standard deviation behind a low-pass at `cutoff` Hz after `order`
+/// differentiations, in the small-band approximation; 1/s to the power of `order`.
+#[must_use]
+pub fn differentiated(order: i32, cutoff: f64, dt: f64) -> f64 {
+    let w = 2.0 * PI * cutoff;
+    (w.powi(2 * order) * 2.0 * cutoff * dt / f64::from(2 * order + 1)).sqrt()
+}
+
+/// White noise of the raw channels: position, velocity, acceleration, force.
+struct White {
+    dt: f64,
+    position: f64,
+    velocity: Option<f64>,
+    acceleration: Option<f64>,
+    force: f64,
+}
+
+impl White {
+    fn of(channels: &Channels) -> Self {
+        let column = |c: &Option<Vec<f64>>| c.as_ref().map(|c| noise_std(c).max(1e-300));
+        Self {
+            dt: channels.dt,
+            position: noise_std(&channels.position),
+            velocity: column(&channels.velocity),
+            acceleration: column(&channels.acceleration),
+            force: noise_std(&channels.force),
+        }
+    }
+
+    /// Every source of velocity and acceleration used by its weight.
+    fn derived(&self, cutoff: f64) -> Noise {
+        let behind = |std: f64, order: i32| std * differentiated(order, cutoff, self.dt);
+        let parallel = |sources: &[Option<f64>]| {
+            let information: f64 = sources.iter().flatten().map(|s| 1.0 / (s * s).max(1e-300)).sum();
+            if information > 0.0 { information.sqrt().recip() } else { 0.0 }
+        };
+        Noise {
+            position: self.position,
+            force: self.force,
+            velocity: parallel(&[Some(behind(self.position, 1)), self.velocity.map(|s| behind(s, 0))]),
+            acceleration: parallel(&[
+                Some(behind(self.position, 2)),
+                self.velocity.map(|s| behind(s, 1)),
+                self.acceleration.map(|s| behind(s, 0)),
+            ]),
+        }
+    }
+}
+
+/// Noise of velocity and acceleration behind a low-pass at `cutoff` Hz, every source of either used by its weight.
+#[must_use]
+pub fn derived_noise(channels: &Channels, cutoff: f64) -> Noise {
+    White::of(channels).derived(cutoff)
+}
+
+/// The cut-off for a search of stretches that are filtered alike, Hz: as high as their noise allows, so that what happens at
+/// a reversal stays visible.
+///
+/// The noise that differentiating puts on the inertial force must not exceed the force channel's own noise, or half a
+/// percent of the force: above it the smallest forces that were left out would be hidden by it. At most 150 Hz and an
+/// eighth of the slowest rate, at least eight times the highest frequency of the motion.
+#[must_use]
+pub fn choose_cutoff(stretches: &[Channels]) -> f64 {
+    let slowest = stretches.iter().map(|c| 1.0 / c.dt).fold(f64::INFINITY, f64::min);
+    let ceiling = HIGHEST_SHARE * slowest;
+    let motion = stretches.iter().map(Channels::dominant_frequency).fold(0.0, f64::max);
+    let lowest = (HARMONICS * motion).min(ceiling);
+    let mass = stretches.iter().map(|c| rough_mass(c, (10.0 * motion).min(ceiling))).fold(0.0, f64::max);
+    let white: Vec<White> = stretches.iter().map(White::of).collect();
+    let tolerated: Vec<f64> = stretches.iter().map(|c| NEGLIGIBLE * spread(&c.force)).collect();
+    let fits = |cutoff: f64| {
+        white.iter().zip(&tolerated).all(|(white, tolerated)| {
+            let force = white.force * differentiated(0, cutoff, white.dt);
+            mass * white.derived(cutoff).acceleration <= force.max(*tolerated)
+        })
+    };
+    let mut cutoff = ceiling.min(HIGHEST);
+    while cutoff > lowest && !fits(cutoff) {
+        cutoff *= 0.85;
+    }
+    cutoff.max(lowest).min(ceiling)
+}
+
+/// The cut-off for a fit of one law, Hz: the highest at which the error of the acceleration is at most 5 % of it, over the
+/// longest stretch.
+///
+/// The variance of that error is known and taken out of the fit; while it is small, more bandwidth is more information. At
+/// most a tenth of the sampling rate, at least five times the frequency of the motion.
+#[must_use]
+pub fn choose_cutoff_of_fit(stretches: &[Channels]) -> Option<f64> {
+    let longest = stretches.iter().max_by_key(|c| c.len())?;
+    let dt = longest.dt;
+    let noise = Sources {
+        dt,
+        position: noise_variance(&longest.position),
+        velocity: longest.velocity.as_deref().map(noise_variance),
+        acceleration: longest.acceleration.as_deref().map(noise_variance),
+    };
+    let highest = 0.1 / dt;
+    let moving = rms_frequency(&longest.position, dt);
+    let floor = (5.0 * moving).max(8.0 / (longest.len() as f64 * dt)).min(highest);
+    let mut cutoff = highest;
+    while cutoff > floor {
+        let low_pass = LowPass::new(cutoff, dt);
+        let (error, source) = noise.acceleration(&low_pass);
+        let all = shown(longest, source, &low_pass);
+        if error.sqrt() <= NOISE_SHARE * (all * all - error).max(0.0).sqrt() {
+            return Some(cutoff);
+        }
+        cutoff *= 0.8;
+    }
+    Some(floor)
+}
+
+/// Root mean square of the acceleration from a source, m/s² or rad/s².
+fn shown(c: &Channels, source: Source, low_pass: &LowPass) -> f64 {
+    let (column, order) = match (source, &c.velocity, &c.acceleration) {
+        (Source::Column, _, Some(a)) => (a, 0),
+        (Source::Velocity, Some(v), _) => (v, 1),
+        _ => (&c.position, 2),
+    };
+    let series = (0..order).fold(low_pass.apply(column), |s, _| four_point_difference(&s, c.dt));
+    let trim = (2 * low_pass.settle()).min(series.len() / 8);
+    rms(&series[trim..series.len() - trim])
+}
+
+/// Mass from a first regression on acceleration, direction, velocity and a constant, kg or kg·m².
+fn rough_mass(channels: &Channels, cutoff: f64) -> f64 {
+    let filter = LowPass::new(cutoff, channels.dt);
+    let v = central_difference(&filter.apply(&channels.position), channels.dt);
+    let a = central_difference(&v, channels.dt);
+    let sign: Vec<f64> =
+        filter.apply(&v.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect::<Vec<_>>());
+    let f = filter.apply(&channels.force);
+    let basis = Basis::of(&[&v[..], &sign[..], &vec![1.0; v.len()][..]]);
+    let (a, f) = (basis.project_out(&a), basis.project_out(&f));
+    let power = dot(&a, &a);
+    if power > 0.0 { (dot(&a, &f) / power).abs() } else { 0.0 }
+}

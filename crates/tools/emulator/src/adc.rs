@@ -1,0 +1,236 @@
+//! ADC1: the injected sequence with its trigger, sampling times, oversampling and clock.
+
+use crate::units_per_cycle;
+
+const ISR: u32 = 0x00;
+const IER: u32 = 0x04;
+const CR: u32 = 0x08;
+const CFGR: u32 = 0x0c;
+const CFGR2: u32 = 0x10;
+const SMPR1: u32 = 0x14;
+const SMPR2: u32 = 0x18;
+const JSQR: u32 = 0x4c;
+const JDR1: u32 = 0x80;
+const CCR: u32 = 0x308;
+
+/// Timer trigger outputs among the injected triggers of ADC1 [rm0440, "ADC1 external triggers for injected channels"]:
+/// (JEXTSEL, timer).
+const TRIGGERS: [(u32, u8); 7] = [(0, 1), (2, 2), (5, 4), (9, 8), (12, 3), (14, 6), (15, 15)];
+const PRESCALERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
+/// Sampling times in half cycles.
+const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
+/// Fastest clock the data sheet allows, Hz.
+const MAX_HZ: u64 = 60_000_000;
+
+/// Result of a trigger.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Triggered {
+    Ignored,
+    Started,
+    /// The previous sequence was still running: the trigger is lost.
+    Busy,
+}
+
+#[derive(Debug)]
+pub(crate) struct Adc {
+    regs: [u32; 256],
+    /// End of the running sequence and its results.
+    running: Option<(u64, [u16; 4])>,
+    pub violation: Option<String>,
+}
+
+impl Adc {
+    pub fn new() -> Self {
+        let mut adc = Self { regs: [0; 256], running: None, violation: None };
+        adc.set(CR, 1 << 29);
+        adc.set(CFGR, 1 << 31);
+        adc
+    }
+
+    fn reg(&self, offset: u32) -> u32 {
+        self.regs.get(offset as usize / 4).copied().unwrap_or(0)
+    }
+
+    fn set(&mut self, offset: u32, value: u32) {
+        if let Some(register) = self.regs.get_mut(offset as usize / 4) {
+            *register = value;
+        }
+    }
+
+    pub fn read(&self, offset: u32) -> u32 {
+        self.reg(offset)
+    }
+
+    /// True when the end-of-sequence flag was cleared.
+    pub fn write(&mut self, offset: u32, value: u32) -> bool {
+        match offset {
+            ISR => {
+                let isr = self.reg(ISR);
+                self.set(ISR, isr & !value);
+                return isr & value & 1 << 6 != 0;
+            }
+            CR => self.control(value),
+            // settings are frozen while conversions may start
+            CFGR | CFGR2 | SMPR1 | SMPR2 if self.reg(CR) & 0xc != 0 => {}
+            JDR1..=0x8c => {}
+            _ => self.set(offset, value),
+        }
+        false
+    }
+
+    fn control(&mut self, value: u32) {
+        let old = self.reg(CR);
+        // calibration and ADDIS act at once; stops withdraw starts
+        let mut new = value & !(1 << 31);
+        if value & 2 != 0 {
+            new &= !3;
+        }
+        if value & 0x20 != 0 {
+            new &= !0x28;
+            self.running = None;
+        }
+        if value & 0x10 != 0 {
+            new &= !0x14;
+        }
+        // ADEN and the starts are set-only
+        new |= old & 0xd & !(if value & 2 != 0 { 1 } else { 0 }) & !(if value & 0x20 != 0 { 8 } else { 0 });
+        let regulator_on = new & 1 << 28 != 0 && new & 1 << 29 == 0;
+        if new & 1 != 0 && regulator_on {
+            let isr = self.reg(ISR) | 1;
+            self.set(ISR, isr);
+        }
+        self.set(CR, new);
+    }
+
+    fn oversampling(&self) -> (u64, u32) {
+        let cfgr2 = self.reg(CFGR2);
+        if cfgr2 & 2 == 0 { (1, 0) } else { (2 << (cfgr2 >> 2 & 7), cfgr2 >> 5 & 0xf) }
+    }
+
+    /// A timer's trigger output. `level` gives the 16-bit level of an input, 0xffff at the reference.
+    pub fn trigger(&mut self, timer: u8, now: u64, kernel_hz: u64, level: impl Fn(u32) -> u16) -> Triggered {
+        let jsqr = self.reg(JSQR);
+        let selected = TRIGGERS.iter().any(|&(code, t)| t == timer && code == jsqr >> 2 & 0x1f);
+        let armed = self.reg(CR) & 9 == 9 && jsqr >> 7 & 1 != 0;
+        let clock = self.clock(kernel_hz);
+        if !(selected && armed && clock > 0) {
+            return Triggered::Ignored;
+        }
+        if self.running.is_some() {
+            return Triggered::Busy;
+        }
+        if clock > MAX_HZ {
+            self.violation = Some(format!("ADC1 clocked at {clock} Hz, more than {MAX_HZ} Hz"));
+        }
+        let (ratio, shift) = self.oversampling();
+        let mut half_cycles = 0;
+        let mut results = [0; 4];
+        for (rank, result) in results.iter_mut().enumerate().take((jsqr & 3) as usize + 1) {
+            let channel = jsqr >> (9 + 6 * rank) & 0x1f;
+            half_cycles += ratio * (self.sampling(channel) + 25);
+            // the sum of `ratio` 12-bit conversions of a level that dithers across the last bits
+            let sum = (u64::from(level(channel)) * ratio) >> 4;
+            let most = ratio * 4095;
+            *result = (sum.min(most) >> shift) as u16;
+        }
+        let end = now + half_cycles * units_per_cycle(clock) / 2;
+        self.running = Some((end, results));
+        Triggered::Started
+    }
+
+    fn sampling(&self, channel: u32) -> u64 {
+        let (register, position) = if channel <= 9 { (SMPR1, channel) } else { (SMPR2, channel - 10) };
+        SAMPLING[(self.reg(register) >> (3 * position) & 7) as usize]
+    }
+
+    fn clock(&self, kernel_hz: u64) -> u64 {
+        let ccr = self.reg(CCR);
+        // the synchronous modes are not modelled: no clock
+        if ccr >> 16 & 3 != 0 {
+            return 0;
+        }
+        PRESCALERS.get((ccr >> 18 & 0xf) as usize).map_or(0, |divider| kernel_hz / divider)
+    }
+
+    pub fn next_event(&self) -> u64 {
+        self.running.map_or(u64::MAX, |(end, _)| end)
+    }
+
+    /// Ends a sequence that is due. `Some(true)`: the last one was not served and its samples are lost.
+    pub fn advance(&mut self, now: u64) -> Option<bool> {
+        let (end, results) = self.running?;
+        if now < end {
+            return None;
+        }
+        self.running = None;
+        for (rank, result) in results.into_iter().enumerate() {
+            self.set(JDR1 + 4 * rank as u32, u32::from(result));
+        }
+        let isr = self.reg(ISR);
+        self.set(ISR, isr | 0x60);
+        Some(isr & 1 << 6 != 0)
+    }
+
+    /// Replaces the results of the conversions.
+    pub fn replace(&mut self, results: [u16; 2]) {
+        for (rank, result) in results.into_iter().enumerate() {
+            self.set(JDR1 + 4 * rank as u32, u32::from(result));
+        }
+    }
+
+    pub fn interrupt(&self) -> bool {
+        self.reg(ISR) & self.reg(IER) & 0x7ff != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn board() -> Adc {
+        let mut adc = Adc::new();
+        adc.write(CR, 1 << 28);
+        adc.write(CR, 1 << 28 | 1);
+        adc.write(CCR, 2 << 18);
+        adc.write(CFGR2, 2 | 3 << 2);
+        adc.write(SMPR1, 1 << 18 | 1 << 21);
+        adc.write(JSQR, 1 | 14 << 2 | 1 << 7 | 6 << 9 | 7 << 15);
+        adc.write(CR, 1 << 28 | 9);
+        adc
+    }
+
+    #[test]
+    fn oversampled_pair_takes_14_us() {
+        let mut adc = board();
+        let level = |channel| if channel == 6 { 40_000 } else { 65_535 };
+        assert_eq!(adc.trigger(6, 0, 170_000_000, level), Triggered::Started);
+        let us = adc.next_event() as f64 / crate::UNITS_PER_SECOND as f64 * 1e6;
+        println!("pair of 16 conversions: {us:.2} us");
+        assert!((us - 14.3).abs() < 0.1);
+        assert_eq!(adc.trigger(6, 1, 170_000_000, level), Triggered::Busy);
+        assert_eq!(adc.advance(adc.next_event()), Some(false));
+        assert_eq!((adc.read(JDR1), adc.read(JDR1 + 4)), (40_000, 65_520));
+        assert_eq!(adc.violation, None);
+    }
+
+    #[test]
+    fn wrong_trigger_wrong_clock_wrong_ratio_show() {
+        let level = |_| 40_000;
+        assert_eq!(board().trigger(7, 0, 170_000_000, level), Triggered::Ignored);
+        assert_eq!(board().trigger(6, 0, 0, level), Triggered::Ignored, "no kernel clock selected");
+        let mut fast = board();
+        fast.write(CCR, 0);
+        assert_eq!(fast.trigger(6, 0, 170_000_000, level), Triggered::Started);
+        assert!(fast.violation.is_some());
+        let mut single = Adc::new();
+        single.write(CR, 1 << 28 | 1);
+        single.write(CCR, 2 << 18);
+        single.write(JSQR, 14 << 2 | 1 << 7 | 6 << 9);
+        single.write(CR, 1 << 28 | 9);
+        single.write(CFGR2, 2 | 3 << 2);
+        assert_eq!(single.read(CFGR2), 0, "settings are frozen once started");
+        single.trigger(6, 0, 170_000_000, level);
+        single.advance(u64::MAX);
+        assert_eq!(single.read(JDR1), 2500);
+    }
+}

@@ -1,0 +1,103 @@
+//! DAC1 channel 1: holding register, trigger, output.
+
+const CR: u32 = 0x00;
+const SWTRGR: u32 = 0x04;
+const DHR12R1: u32 = 0x08;
+const DHR12L1: u32 = 0x0c;
+const DHR8R1: u32 = 0x10;
+const DOR1: u32 = 0x2c;
+
+/// TSEL of each timer's trigger output [rm0440, "DAC1 interconnection"]: (code, timer).
+const TRIGGERS: [(u32, u8); 8] = [(1, 8), (2, 7), (3, 15), (4, 2), (5, 4), (7, 6), (8, 3), (0, 0)];
+
+#[derive(Debug, Default)]
+pub(crate) struct Dac {
+    cr: u32,
+    other: [u32; 20],
+    held: u16,
+    output: u16,
+    /// Whether the holding register was written since the last transfer.
+    pub fresh: bool,
+}
+
+impl Dac {
+    /// Output code, `None` while the channel is off.
+    pub fn code(&self) -> Option<u16> {
+        (self.cr & 1 != 0).then_some(self.output)
+    }
+
+    pub fn read(&self, offset: u32) -> u32 {
+        match offset {
+            CR => self.cr,
+            DHR12R1 => u32::from(self.held),
+            DHR12L1 => u32::from(self.held) << 4,
+            DHR8R1 => u32::from(self.held) >> 4,
+            DOR1 => u32::from(self.output),
+            _ => self.other.get(offset as usize / 4).copied().unwrap_or(0),
+        }
+    }
+
+    /// True when a holding register was written.
+    pub fn write(&mut self, offset: u32, value: u32) -> bool {
+        let held = match offset {
+            DHR12R1 => Some(value & 0xfff),
+            DHR12L1 => Some(value >> 4 & 0xfff),
+            DHR8R1 => Some((value & 0xff) << 4),
+            _ => None,
+        };
+        match (offset, held) {
+            (_, Some(code)) => {
+                self.held = code as u16;
+                self.fresh = true;
+            }
+            (CR, _) => self.cr = value,
+            (SWTRGR, _) if value & 1 != 0 && self.cr & 2 != 0 => self.transfer(),
+            (_, None) => {
+                if let Some(register) = self.other.get_mut(offset as usize / 4) {
+                    *register = value;
+                }
+            }
+        }
+        if self.cr & 3 == 1 {
+            self.transfer();
+        }
+        held.is_some()
+    }
+
+    /// A timer's trigger output. True when it transferred the holding register.
+    pub fn trigger(&mut self, timer: u8) -> bool {
+        let selected = TRIGGERS.iter().any(|&(code, t)| t == timer && code == self.cr >> 2 & 0xf);
+        let listens = self.cr & 3 == 3 && selected && timer != 0;
+        if listens {
+            self.transfer();
+        }
+        listens
+    }
+
+    fn transfer(&mut self) {
+        self.output = self.held;
+        self.fresh = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alignment_and_trigger_are_decoded() {
+        let mut dac = Dac::default();
+        assert_eq!(dac.code(), None);
+        dac.write(CR, 1);
+        dac.write(DHR12R1, 2048);
+        assert_eq!(dac.code(), Some(2048));
+        dac.write(DHR12L1, 2048);
+        assert_eq!(dac.code(), Some(128), "a right-aligned code in the left-aligned register");
+        dac.write(CR, 3 | 2 << 2);
+        dac.write(DHR12R1, 3000);
+        assert!(!dac.trigger(6));
+        assert_eq!(dac.code(), Some(128));
+        assert!(dac.trigger(7));
+        assert_eq!(dac.code(), Some(3000));
+    }
+}

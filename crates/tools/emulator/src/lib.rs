@@ -1,0 +1,73 @@
+//! Runs the ELF that would be flashed on an emulated STM32G474 around the simulated rig.
+//!
+//! [`Machine::boot`] loads the image as a programmer would, at its physical addresses, resets the core and runs it
+//! in virtual time against models of the peripherals that the firmware uses, one file each. The rig of
+//! [`plant`] is connected to the pins: the DAC code is a force while the amplifier enable pin is high, encoder edges reach
+//! TIM2 at the instant they happen, load cell and accelerometer are levels on ADC inputs.
+//!
+//! ```text
+//!            TIM6 --trgo--> ADC1 --JEOS--> core --> DAC1 holding --TIM7 trgo--> force --.
+//!  rig edges --> TIM2 --encoder clock--> TIM5 capture                                  v
+//!      ^---------------------------------------------------------------------------- rig
+//! ```
+//!
+//! The models are strict where a wrong register setting would go unnoticed otherwise: trigger sources, capture
+//! input, oversampling, alignment, clock tree, pin functions and peripheral clocks are decoded from the registers,
+//! and violations of the data sheet are recorded in [`Machine::violations`].
+//!
+//! | decoded | not modelled |
+//! | --- | --- |
+//! | RCC: PLL, switch, AHB and APB1 dividers, clock muxes of ADC and LPUART1, enables, reset flags; wait states and boost against the frequency | oscillator start-up, CSS, low-power modes, resets by RCC_xRSTR |
+//! | ADC1: injected sequence, JEXTSEL and JEXTEN, OVSR, OVSS, SMPR, clock and its limit, busy, frozen settings | regular sequence, DMA, watchdogs, analogue errors, calibration |
+//! | DAC1 channel 1: EN, TEN, TSEL, the three alignments, HFSEL against the bus | channel 2, waveforms, output buffer |
+//! | TIM2-7: PSC preload, ARR, update and compare flags, encoder mode 3, CC inputs, TS, capture on TRC, MMS 2 and 8, one-pulse mode, outputs by PWM 1 and 2 and forced | encoder modes 1 and 2 (count nothing), input filter, dead time |
+//! | LPUART1: rate, FIFO, RXNE, TXE, TC, IDLE, overrun, framing | parity, DMA, wake-up |
+//! | IWDG: keys, prescaler, reload | window |
+//! | GPIO: modes, alternate functions, pulls, levels | speed, open drain, lock |
+//! | NVIC: priorities; a control interrupt that waits for another handler is recorded | |
+//!
+//! Cycles are those of the interpreter, about one an instruction and one more an access, and what the core waits for flash, CCM
+//! SRAM and buses by the model in `wait.rs`.
+//!
+//! Limits. No arbitration between core and DMA. Registers of unused peripherals read back their written values.
+#![forbid(unsafe_code)]
+
+mod adc;
+pub mod block;
+mod bus;
+mod dac;
+pub mod firmware;
+mod flash;
+mod flood;
+mod gpio;
+mod image;
+mod inject;
+mod iwdg;
+mod lpuart;
+mod machine;
+mod rcc;
+mod reach;
+pub mod report;
+mod soc;
+mod stats;
+mod supply;
+mod tim;
+mod wait;
+mod world;
+
+pub use image::{Image, ImageError};
+pub use inject::Injected;
+pub use machine::Machine;
+pub use rcc::ResetCause;
+pub use reach::{Lost, Reach};
+pub use stats::{Statistics, Summary};
+
+/// Units of virtual time per second: an integer for a cycle of 170 MHz (16) and of 16 MHz (170).
+pub const UNITS_PER_SECOND: u64 = 2_720_000_000;
+/// Units of virtual time in a millisecond.
+pub const UNITS_PER_MS: u64 = UNITS_PER_SECOND / 1_000;
+
+/// Virtual time of one period of a clock, units; 0 Hz never ticks.
+pub(crate) fn units_per_cycle(hz: u64) -> u64 {
+    (UNITS_PER_SECOND + hz / 2).checked_div(hz).map_or(u64::MAX / 4, |units| units.max(1))
+}

@@ -1,0 +1,218 @@
+//! LPUART1 and the terminal at the other end: bytes take time, frames need the right rate.
+
+use crate::units_per_cycle;
+use std::collections::VecDeque;
+
+const CR1: u32 = 0x00;
+const CR3: u32 = 0x08;
+const BRR: u32 = 0x0c;
+const ISR: u32 = 0x1c;
+const ICR: u32 = 0x20;
+const RDR: u32 = 0x24;
+const TDR: u32 = 0x28;
+
+/// Rate of the terminal.
+const TERMINAL_BAUD: f64 = 921_600.0;
+const IDLE: u32 = 1 << 4;
+const OVERRUN: u32 = 1 << 3;
+const FRAMING: u32 = 1 << 1;
+const DONE: u32 = 1 << 6;
+
+#[derive(Debug, Default)]
+pub(crate) struct Lpuart {
+    regs: [u32; 16],
+    flags: u32,
+    /// Bytes typed at the terminal that are not yet on the wire.
+    typed: VecDeque<u8>,
+    /// Arrival time of the byte on the wire, and time of the idle line after the last byte.
+    arrival: Option<u64>,
+    idle_at: Option<u64>,
+    received: VecDeque<u8>,
+    sending: Option<(u64, u8)>,
+    queued: VecDeque<u8>,
+    /// Bytes shown by the terminal.
+    pub shown: VecDeque<u8>,
+    /// Number of bytes not read in time.
+    pub overruns: u64,
+    kernel_hz: u64,
+}
+
+impl Lpuart {
+    fn reg(&self, offset: u32) -> u32 {
+        self.regs.get(offset as usize / 4).copied().unwrap_or(0)
+    }
+
+    fn depth(&self) -> usize {
+        if self.reg(CR1) >> 29 & 1 != 0 { 8 } else { 1 }
+    }
+
+    fn on(&self, bit: u32) -> bool {
+        self.reg(CR1) & 1 != 0 && self.reg(CR1) >> bit & 1 != 0
+    }
+
+    fn baud(&self) -> f64 {
+        self.kernel_hz as f64 * 256.0 / f64::from(self.reg(BRR).max(1))
+    }
+
+    fn byte_time(&self) -> u64 {
+        units_per_cycle(self.baud() as u64).saturating_mul(10)
+    }
+
+    fn framed(&self) -> bool {
+        (self.baud() / TERMINAL_BAUD - 1.0).abs() < 0.02
+    }
+
+    /// Types at the terminal.
+    pub fn type_bytes(&mut self, bytes: &[u8], now: u64) {
+        self.typed.extend(bytes);
+        self.next_byte(now);
+    }
+
+    /// Number of typed bytes that have not arrived.
+    pub fn waiting(&self) -> usize {
+        self.typed.len()
+    }
+
+    fn next_byte(&mut self, now: u64) {
+        if self.arrival.is_none() && !self.typed.is_empty() {
+            let byte = 10 * units_per_cycle(TERMINAL_BAUD as u64);
+            self.arrival = Some(now + byte);
+            self.idle_at = None;
+        }
+    }
+
+    pub fn read(&mut self, offset: u32) -> u32 {
+        match offset {
+            ISR => {
+                let mut value = self.flags | 1 << 21 | 1 << 22;
+                value |= u32::from(!self.received.is_empty()) << 5;
+                value |= u32::from(self.queued.len() < self.depth()) << 7;
+                value
+            }
+            RDR => self.received.pop_front().map_or(0, u32::from),
+            _ => self.reg(offset),
+        }
+    }
+
+    pub fn write(&mut self, offset: u32, value: u32, now: u64, kernel_hz: u64) {
+        self.kernel_hz = kernel_hz;
+        match offset {
+            ICR => self.flags &= !(value & (IDLE | OVERRUN | FRAMING | DONE)),
+            TDR => {
+                if self.on(3) && self.queued.len() < self.depth() {
+                    self.queued.push_back(value as u8);
+                    self.flags &= !DONE;
+                    self.send(now);
+                }
+            }
+            _ => {
+                if let Some(register) = self.regs.get_mut(offset as usize / 4) {
+                    *register = value;
+                }
+            }
+        }
+    }
+
+    fn send(&mut self, now: u64) {
+        if self.sending.is_none()
+            && let Some(byte) = self.queued.pop_front()
+        {
+            self.sending = Some((now.saturating_add(self.byte_time()), byte));
+        }
+    }
+
+    pub fn advance(&mut self, now: u64) {
+        while let Some((at, byte)) = self.sending
+            && now >= at
+        {
+            self.shown.push_back(if self.framed() { byte } else { byte ^ 0x55 });
+            self.sending = None;
+            self.send(at);
+            if self.sending.is_none() {
+                self.flags |= DONE;
+            }
+        }
+        while let Some(at) = self.arrival
+            && now >= at
+        {
+            self.arrival = None;
+            if let Some(byte) = self.typed.pop_front()
+                && self.on(2)
+            {
+                if self.received.len() >= self.depth() {
+                    self.overruns += 1;
+                    self.flags |= OVERRUN;
+                } else if self.framed() {
+                    self.received.push_back(byte);
+                } else {
+                    self.flags |= FRAMING;
+                    self.received.push_back(byte ^ 0x55);
+                }
+            }
+            self.next_byte(at);
+            if self.arrival.is_none() && self.on(2) {
+                self.idle_at = Some(at.saturating_add(self.byte_time()));
+            }
+        }
+        if self.idle_at.is_some_and(|at| now >= at) {
+            self.idle_at = None;
+            self.flags |= IDLE;
+        }
+    }
+
+    pub fn next_event(&self) -> u64 {
+        let sent = self.sending.map(|(at, _)| at);
+        [sent, self.arrival, self.idle_at].into_iter().flatten().min().unwrap_or(u64::MAX)
+    }
+
+    pub fn interrupt(&mut self) -> bool {
+        let isr = self.read(ISR);
+        let cr1 = self.reg(CR1);
+        let errors = isr & (OVERRUN | FRAMING) != 0 && self.reg(CR3) & 1 != 0;
+        let overrun = isr & OVERRUN != 0 && cr1 >> 5 & 1 != 0;
+        cr1 & 1 != 0 && (isr & cr1 & 0xf0 != 0 || errors || overrun)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn board() -> Lpuart {
+        let mut uart = Lpuart::default();
+        uart.write(BRR, 47_222, 0, 170_000_000);
+        uart.write(CR1, 1 | 4 | 8 | 1 << 4 | 1 << 5, 0, 170_000_000);
+        uart
+    }
+
+    #[test]
+    fn bytes_arrive_singly_then_the_line_idles() {
+        let mut uart = board();
+        uart.type_bytes(b"ab", 0);
+        assert!(!uart.interrupt());
+        let mut text = Vec::new();
+        while uart.next_event() != u64::MAX {
+            let now = uart.next_event();
+            uart.advance(now);
+            if uart.read(ISR) & 1 << 5 != 0 {
+                text.push(uart.read(RDR) as u8);
+            }
+        }
+        assert_eq!(text, b"ab");
+        assert_ne!(uart.read(ISR) & IDLE, 0);
+        assert_eq!(uart.overruns, 0);
+    }
+
+    #[test]
+    fn slow_reader_loses_bytes_and_wrong_rate_garbles() {
+        let mut uart = board();
+        uart.type_bytes(b"abc", 0);
+        uart.advance(u64::MAX / 8);
+        assert_eq!(uart.overruns, 2);
+        let mut slow = board();
+        slow.write(BRR, 50_000, 0, 170_000_000);
+        slow.write(TDR, u32::from(b'x'), 0, 170_000_000);
+        slow.advance(u64::MAX / 8);
+        assert_ne!(slow.shown.front(), Some(&b'x'));
+    }
+}

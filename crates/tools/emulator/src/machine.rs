@@ -1,0 +1,674 @@
+//! Core, memories, chip and rig, in virtual time.
+
+use crate::bus::{Bank1, Bank2, Shared, Window};
+use crate::flash::{BANK_2, BANK_BYTES};
+use crate::image::{CCM_BASE, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_SIZE};
+use crate::inject::{Injector, Pulses};
+use crate::rcc::ResetCause;
+use crate::soc::{IRQ_ADC1_2, IRQS, Soc};
+use crate::stats::Statistics;
+use crate::wait::loads_literal;
+use crate::world::World;
+use crate::{Image, Injected, UNITS_PER_MS, units_per_cycle};
+use friction::FrictionLaw;
+use plant::{Bench, Hand, RigConfig, Truth, Wiring};
+use rsemu::core::space::{AddressSpace, DispatchPolicy, RamStore, Region, RomStore};
+use rsemu::core::value::{Endian, Width};
+use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+
+/// Content of RAM before power-on, which shows the depth of the stack.
+const PAINT: u8 = 0xc5;
+
+/// Instructions of another handler after which a pending control interrupt counts as waiting.
+const HELD_UP: u32 = 4;
+
+/// End of CCM SRAM.
+const CCM_END: u32 = CCM_BASE + CCM_SIZE;
+
+/// Bits of ITSTATE in xPSR.
+const IT_STATE: u32 = 0x0600_fc00;
+/// Where xPSR keeps the number of the exception.
+const EXCEPTION: u32 = 0x1ff;
+/// Addresses from here on are neither flash nor RAM; a core that has locked up shows one.
+const OUTSIDE: u32 = RAM_BASE + RAM_SIZE;
+/// First half of WFE.W, WFI.W and the other hints of 32 bits.
+const WIDE_HINT: u16 = 0xf3af;
+/// Offset of xPSR in an exception frame.
+const FRAME_XPSR: u64 = 28;
+
+/// A board with its rig.
+pub struct Machine {
+    cpu: ArmV7m,
+    space: Arc<AddressSpace>,
+    shared: Arc<Shared>,
+    bank_1: Arc<RomStore>,
+    ram: Arc<RamStore>,
+    ccm: Arc<RamStore>,
+    image: Image,
+    now: u64,
+    /// Time of the next event of the chip.
+    next: u64,
+    cycle: u64,
+    /// Cycles that the core waited for memories and buses.
+    waited: u64,
+    /// Cycle count at entry of the running control interrupt.
+    entered: Option<u64>,
+    /// Cycles that every control interrupt loses at its entry.
+    control_delay: u64,
+    /// Loads from flash up to that entry.
+    loads_at_entry: u64,
+    control_pending: bool,
+    /// Interrupt lines as the core was last told.
+    lines: [(u16, bool); IRQS],
+    handler: u32,
+    /// Instructions of another handler while the control interrupt was pending.
+    held_up: u32,
+    resets: Vec<(f64, ResetCause)>,
+    /// Statistics, here because every instruction updates them.
+    elapsed: u64,
+    asleep: u64,
+    busy_cycles: u64,
+}
+
+impl std::fmt::Debug for Machine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Machine").field("now", &self.now).field("pc", &self.cpu.pc()).finish_non_exhaustive()
+    }
+}
+
+impl Machine {
+    /// Programs an image and powers up the board with a rig of this configuration.
+    ///
+    /// Sub-stepping and actuation delay of `config` are replaced by those of the board.
+    ///
+    /// # Errors
+    /// The first parameter of the rig out of range.
+    pub fn boot<L>(image: &Image, config: RigConfig, law: L, seed: u64) -> Result<Self, friction::Invalid>
+    where
+        L: FrictionLaw<f64> + Send + 'static,
+        L::State: Send,
+    {
+        let shared = Arc::new(Shared::new(Soc::new(World::new(config, law, seed)?)));
+        let mut bank_1 = vec![0xff; BANK_BYTES as usize];
+        let ram = Arc::new(RamStore::new(u64::from(RAM_SIZE)));
+        let _ = ram.fill(0, u64::from(RAM_SIZE), PAINT);
+        for (address, data) in &image.flash {
+            // inside the flash: the image was checked
+            for (at, byte) in (address - FLASH_BASE..).zip(data) {
+                match bank_1.get_mut(at as usize) {
+                    Some(to) => *to = *byte,
+                    None => shared.soc().flash.load(at - BANK_BYTES, &[*byte]),
+                }
+            }
+        }
+        let bank_1 = Arc::new(RomStore::new(bank_1));
+        let ccm = Arc::new(RamStore::new(u64::from(CCM_SIZE)));
+        let space = Arc::new(address_space(&shared, Arc::clone(&bank_1), Arc::clone(&ram), Arc::clone(&ccm)));
+        Ok(Self {
+            cpu: core(&space),
+            space,
+            shared,
+            bank_1,
+            ram,
+            ccm,
+            handler: image.vector(16 + u32::from(IRQ_ADC1_2)) & !1,
+            image: image.clone(),
+            now: 0,
+            next: 0,
+            cycle: 1,
+            waited: 0,
+            entered: None,
+            loads_at_entry: 0,
+            control_delay: 0,
+            control_pending: false,
+            lines: Default::default(),
+            held_up: 0,
+            resets: Vec::new(),
+            elapsed: 0,
+            asleep: 0,
+            busy_cycles: 0,
+        })
+    }
+
+    /// A board with the rig of [thesis, table 3-1] and a free handle.
+    #[must_use]
+    pub fn free_handle(image: &Image, seed: u64) -> Self {
+        let no_block = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+        // instantiated here, so that the rig is optimised like this crate
+        Self::boot(image, RigConfig::free_handle(), no_block, seed)
+            .expect("the default rig is within its ranges")
+    }
+
+    /// Runs for this many virtual milliseconds.
+    pub fn run_for(&mut self, ms: f64) {
+        self.run_until(self.now + (ms * UNITS_PER_MS as f64) as u64, |_| false);
+    }
+
+    /// Runs until the terminal has shown `text`, at most `ms`. Earlier output stays readable.
+    pub fn run_until_shown(&mut self, text: &str, ms: f64) -> bool {
+        let end = self.now + (ms * UNITS_PER_MS as f64) as u64;
+        while self.now < end {
+            self.run_for(0.2);
+            let soc = self.shared.soc();
+            let shown: Vec<u8> = soc.lpuart.shown.iter().copied().collect();
+            if shown.windows(text.len()).any(|window| window == text.as_bytes()) {
+                return true;
+            }
+        }
+        false
+    }
+
+    // Each question to the core takes a lock, which costs as much as an instruction: one a step, and the rest only
+    // where the answer can have changed.
+    fn run_until(&mut self, end: u64, stop: impl Fn(&Self) -> bool) {
+        let mut asleep = self.is_idle();
+        let mut regs = self.cpu.regs();
+        while self.now < end && !stop(self) {
+            if self.now >= self.next || self.shared.touched.load(Relaxed) {
+                self.shared.touched.store(false, Relaxed);
+                self.attend();
+                asleep = self.is_idle();
+                regs = self.cpu.regs();
+            }
+            self.shared.now.store(self.now, Relaxed);
+            let before = self.now;
+            let was_asleep = asleep;
+            let pc = regs.r[15];
+            let first = if was_asleep { None } else { self.first_half(pc) };
+            let may_idle = matches!(first, None | Some(0xbf20 | 0xbf30 | WIDE_HINT));
+            let mut cycles = self.step(&mut regs);
+            if let Some(first) = first {
+                let wait = self.waits(pc, first);
+                self.waited += wait;
+                cycles += wait;
+            }
+            asleep = (may_idle || regs.r[15] >= OUTSIDE) && self.is_idle();
+            if was_asleep && asleep {
+                // only an event can wake it
+                self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
+            } else {
+                self.now += cycles * self.cycle;
+                self.watch_control(&regs);
+                self.watch_priority(&regs);
+            }
+            self.account(before, was_asleep, cycles);
+        }
+    }
+
+    /// Whether the core sleeps, or is locked up after a nested fault.
+    fn is_idle(&self) -> bool {
+        self.cpu.is_asleep() || self.cpu.is_locked_up()
+    }
+
+    /// First half-word of the instruction at an address; none outside the memories.
+    fn first_half(&self, pc: u32) -> Option<u16> {
+        let read = |at| self.bank_1.read_value(at, Width::U16, Endian::Little).ok();
+        let first = match pc {
+            FLASH_BASE..BANK_2 => read(u64::from(pc - FLASH_BASE)),
+            CCM_BASE..CCM_END => {
+                self.ccm.read_value(u64::from(pc - CCM_BASE), Width::U16, Endian::Little).ok()
+            }
+            RAM_BASE..OUTSIDE => {
+                self.ram.read_value(u64::from(pc - RAM_BASE), Width::U16, Endian::Little).ok()
+            }
+            _ => None,
+        };
+        first.map(|first| first as u16)
+    }
+
+    /// Cycles that the instruction at an address has waited, with its loads and stores.
+    fn waits(&self, pc: u32, first: u16) -> u64 {
+        let of_bus =
+            if self.shared.waited.load(Relaxed) == 0 { 0 } else { self.shared.waited.swap(0, Relaxed) };
+        let of_code = match pc {
+            FLASH_BASE..BANK_2 => {
+                let bytes = if first >> 11 < 0b11101 { 2 } else { 4 };
+                self.shared.waits().fetch(pc, bytes, self.cycles())
+            }
+            CCM_BASE..CCM_END => u64::from(loads_literal(first)),
+            _ => 0,
+        };
+        of_bus + of_code
+    }
+
+    /// Core cycles since the start, with those that it waited.
+    fn cycles(&self) -> u64 {
+        self.cpu.cycles() + self.waited
+    }
+
+    /// One instruction, or the entry of one exception; `regs` are those before it, and then those after.
+    ///
+    /// rsemu 0.0.7 stacks xPSR without ITSTATE: after an interrupt within an IT block the rest of the block would run
+    /// whatever its condition. A core keeps it [armv7-m, ch. B1.5.6], so it is restored in the frame here.
+    fn step(&mut self, regs: &mut Regs) -> u64 {
+        let before = std::mem::take(regs);
+        let cycles = self.cpu.step();
+        *regs = self.cpu.regs();
+        let it = before.xpsr & IT_STATE;
+        if it != 0 && regs.msp < before.msp && (regs.xpsr ^ before.xpsr) & EXCEPTION != 0 {
+            let at = u64::from(regs.msp.wrapping_sub(RAM_BASE)) + FRAME_XPSR;
+            let mut word = [0; 4];
+            if self.ram.read_at(at, &mut word).is_ok() {
+                let _ = self.ram.write_at(at, &(u32::from_le_bytes(word) | it).to_le_bytes());
+            }
+        }
+        cycles
+    }
+
+    fn account(&mut self, before: u64, asleep: bool, cycles: u64) {
+        let elapsed = self.now - before;
+        self.elapsed += elapsed;
+        if asleep {
+            self.asleep += elapsed;
+        } else {
+            self.busy_cycles += cycles;
+        }
+    }
+
+    /// Updates the chip and passes its interrupts to the core.
+    fn attend(&mut self) {
+        let mut soc = self.shared.soc();
+        soc.advance(self.now);
+        let lines = soc.interrupts();
+        for ((irq, level), told) in lines.into_iter().zip(self.lines) {
+            if (irq, level) != told {
+                self.cpu.set_irq(irq, level);
+            }
+            if irq == IRQ_ADC1_2 {
+                self.control_pending = level;
+            }
+        }
+        self.lines = lines;
+        self.cycle = units_per_cycle(soc.rcc.hclk());
+        self.next = soc.next_event();
+        self.shared.waits().set(soc.flash.acr());
+        let due = soc.watchdog_due(self.now);
+        let (nmi, power_lost) = (std::mem::take(&mut soc.flash.nmi), soc.flash.power_lost);
+        drop(soc);
+        // a pulse: rsemu would take a level again until the handler clears it
+        self.cpu.set_nmi(nmi);
+        if nmi {
+            self.shared.touched.store(true, Relaxed);
+        }
+        if self.cpu.reset_requested() {
+            self.cpu.clear_reset_request();
+            self.reset(ResetCause::Software);
+        } else if power_lost {
+            let _ = self.ram.fill(0, u64::from(RAM_SIZE), PAINT);
+            self.reset(ResetCause::PowerOn);
+        } else if due {
+            self.reset(ResetCause::Watchdog);
+        }
+    }
+
+    /// A pending control interrupt preempts every handler, unless a critical section masks it.
+    fn watch_priority(&mut self, regs: &Regs) {
+        if !self.control_pending || self.entered.is_some() {
+            self.held_up = 0;
+            return;
+        }
+        let exception = (regs.xpsr & EXCEPTION) as u16;
+        let waits = exception > 15 && exception != 16 + IRQ_ADC1_2 && self.cpu.execution_priority() > 0;
+        self.held_up = if waits { self.held_up + 1 } else { 0 };
+        if self.held_up == HELD_UP {
+            let why = format!(
+                "the control interrupt waits for interrupt {}: its priority is too low",
+                exception - 16
+            );
+            self.shared.soc().violations.insert(why);
+        }
+    }
+
+    /// Measures the cycles of the control interrupt, from its first instruction to its return.
+    fn watch_control(&mut self, regs: &Regs) {
+        match self.entered {
+            None if self.control_pending && regs.r[15] == self.handler => {
+                self.entered = Some(self.cycles());
+                self.loads_at_entry = self.shared.flash_loads.load(Relaxed);
+                self.waited += self.control_delay;
+                self.now += self.control_delay * self.cycle;
+            }
+            Some(at) if regs.xpsr & EXCEPTION != 16 + u32::from(IRQ_ADC1_2) => {
+                self.entered = None;
+                let cycles = self.cycles() - at;
+                let loads = self.shared.flash_loads.load(Relaxed) - self.loads_at_entry;
+                let stats = &mut self.shared.soc().stats;
+                stats.step_cycles.add(cycles as f64);
+                stats.step_flash_loads = stats.step_flash_loads.max(loads);
+            }
+            _ => {}
+        }
+    }
+
+    fn reset(&mut self, cause: ResetCause) {
+        self.resets.push((self.milliseconds(), cause));
+        self.shared.soc().reset(cause, self.now);
+        // unlike the chip, a reset of rsemu keeps NVIC settings and a lazy FPU context
+        self.cpu = core(&self.space);
+        self.lines = Default::default();
+        self.shared.touched.store(true, Relaxed);
+        self.entered = None;
+    }
+
+    /// Types at the terminal on the serial line.
+    pub fn serial_write(&mut self, bytes: &[u8]) {
+        self.shared.soc().lpuart.type_bytes(bytes, self.now);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// Number of typed bytes that are not yet on the wire.
+    #[must_use]
+    pub fn serial_waiting(&self) -> usize {
+        self.shared.soc().lpuart.waiting()
+    }
+
+    /// Takes the output of the terminal.
+    pub fn serial_read(&mut self) -> Vec<u8> {
+        self.shared.soc().lpuart.shown.drain(..).collect()
+    }
+
+    /// Puts a hand on the handle.
+    pub fn set_hand(&mut self, hand: impl Hand + Send + 'static) {
+        self.shared.soc().world.set_hand(Box::new(hand));
+    }
+
+    /// Changes the wiring of the rig.
+    pub fn rewire(&mut self, wiring: Wiring) {
+        self.shared.soc().world.rewire(wiring);
+    }
+
+    /// Loads the sensors for a calibration.
+    ///
+    /// # Errors
+    /// A weight or a gravity that is out of range.
+    pub fn put_on_bench(&mut self, bench: Bench) -> Result<(), friction::Invalid> {
+        self.shared.soc().world.put_on_bench(bench)
+    }
+
+    /// Resets the chip as this cause does. Power takes the contents of the RAM away.
+    pub fn reset_by(&mut self, cause: ResetCause) {
+        if cause == ResetCause::PowerOn {
+            let _ = self.ram.fill(0, u64::from(RAM_SIZE), PAINT);
+        }
+        self.reset(cause);
+    }
+
+    /// Sets the option byte DBANK, as a programmer does: two banks of flash, or one.
+    pub fn set_dual_bank(&mut self, dual: bool) {
+        self.shared.soc().flash.set_dual_bank(dual);
+    }
+
+    /// Replaces sensor readings by those of `source`, called once at the end of every conversion.
+    pub fn inject(&mut self, source: impl FnMut() -> Injected + Send + 'static) {
+        self.shared.soc().injector = Some(Injector(Box::new(source)));
+    }
+
+    /// Turns the encoder at an even pace instead of the rig: an edge every `interval` ticks of 170 MHz, the first after `first`.
+    pub fn turn_encoder(&mut self, first: u64, interval: u64, up: bool) {
+        let tick = units_per_cycle(170_000_000);
+        let pulses = Pulses { next: self.now + first * tick, interval: interval * tick, up };
+        self.shared.soc().pulses = Some(pulses);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// Sets the delay from a count of the encoder to the capture of its time, timer cycles.
+    pub fn set_capture_lag(&mut self, cycles: u64) {
+        self.shared.soc().capture_lag = cycles;
+    }
+
+    /// Takes this many cycles from every control interrupt, like a busy bus.
+    pub fn delay_control(&mut self, cycles: u64) {
+        self.control_delay = cycles;
+    }
+
+    /// Presses or releases the emergency stop.
+    pub fn press_stop(&mut self, pressed: bool) {
+        self.shared.soc().press_stop(pressed);
+    }
+
+    /// Writes a register like a hardware fault.
+    pub fn poke(&mut self, address: u32, value: u32) {
+        self.shared.soc().write(address, value, self.now);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// Sets the supply of the chip, mV, nominally 3300. A low supply resets it.
+    pub fn set_supply(&mut self, millivolt: u32) {
+        let too_low = self.shared.soc().supply.set(millivolt);
+        self.shared.touched.store(true, Relaxed);
+        if too_low {
+            self.reset(ResetCause::PowerOn);
+        }
+    }
+
+    /// Makes the core panic at its present place, like a division by zero: calls a panic of the core library that takes only a
+    /// location, placed in unused RAM. False if the image has no such function.
+    pub fn panic_here(&mut self) -> bool {
+        let called = self.image.symbols.iter().find(|(name, _)| name.contains("panic_const_"));
+        let Some(function) = called.map(|(_, address)| *address & !1) else { return false };
+        let location = self.image.symbol("__sheap").unwrap_or(RAM_BASE) + 64;
+        // the text, its length, line, column
+        for (k, word) in [FLASH_BASE, 4, 7, 1].into_iter().enumerate() {
+            let _ = self.ram.write_at(u64::from(location - RAM_BASE) + 4 * k as u64, &u32::to_le_bytes(word));
+        }
+        self.cpu.set_reg(0, location);
+        self.cpu.set_pc(function);
+        true
+    }
+
+    /// Sends the core into a branch to itself, in unused RAM: what looks like one in flash may be data. Four `nop` precede
+    /// it, because the core may be within an IT block, which allows no branch.
+    pub fn hang(&mut self) {
+        let at = self.image.symbol("__sheap").unwrap_or(RAM_BASE) + 96;
+        for (k, halfword) in [0xbf00_u16, 0xbf00, 0xbf00, 0xbf00, 0xe7fe].into_iter().enumerate() {
+            let _ = self.ram.write_at(u64::from(at - RAM_BASE) + 2 * k as u64, &halfword.to_le_bytes());
+        }
+        self.cpu.set_pc(at);
+    }
+
+    /// Runs to the first instruction of the control interrupt. False if it does not begin within 2 ms.
+    pub fn run_to_control(&mut self) -> bool {
+        let end = self.now + 2 * UNITS_PER_MS;
+        self.run_until(end, |machine| machine.entered.is_some());
+        self.now < end
+    }
+
+    /// Runs into the control interrupt. False if it does not run within 2 ms.
+    pub fn run_into_control(&mut self) -> bool {
+        let end = self.now + 2 * UNITS_PER_MS;
+        self.run_until(end, |machine| machine.entered.is_some_and(|at| machine.cycles() - at > 300));
+        self.now < end
+    }
+
+    /// Runs into a task: no interrupt, not asleep. False if none runs within 5 ms.
+    pub fn run_into_task(&mut self) -> bool {
+        let end = self.now + 5 * UNITS_PER_MS;
+        self.run_until(end, |machine| machine.cpu.current_exception().0 == 0 && !machine.cpu.is_asleep());
+        self.now < end
+    }
+
+    /// Replaces every aligned word of RAM with one value by another, like a stray pointer. Returns their number.
+    pub fn corrupt_ram(&mut self, from: u32, to: u32) -> usize {
+        let mut changed = 0;
+        for at in (0..u64::from(RAM_SIZE)).step_by(4) {
+            let mut word = [0; 4];
+            if self.ram.read_at(at, &mut word).is_ok() && u32::from_le_bytes(word) == from {
+                changed += usize::from(self.ram.write_at(at, &to.to_le_bytes()).is_ok());
+            }
+        }
+        changed
+    }
+
+    /// Words of RAM from a static of the image on, found by a part of its name. `None` without such a static.
+    #[must_use]
+    pub fn static_words(&self, name: &str, words: usize) -> Option<Vec<u32>> {
+        let (_, address) = self.image.symbols.iter().find(|(symbol, _)| symbol.contains(name))?;
+        let begin = u64::from(address.checked_sub(RAM_BASE)?);
+        let word = |k: usize| {
+            let mut word = [0; 4];
+            self.ram.read_at(begin + 4 * k as u64, &mut word).ok()?;
+            Some(u32::from_le_bytes(word))
+        };
+        (0..words).map(word).collect()
+    }
+
+    /// Cuts power at the n-th erasure or programming of the flash from now on, half done, depending on `seed`. The board restarts
+    /// at once without its RAM.
+    pub fn cut_power_at(&mut self, n: u64, seed: u64) {
+        self.shared.soc().flash.cut_at(Some(n), seed);
+    }
+
+    /// Number of erasures and programmings of the flash since power-on or [`Self::cut_power_at`].
+    #[must_use]
+    pub fn flash_operations(&self) -> u64 {
+        self.shared.soc().flash.operations()
+    }
+
+    /// Contents of bank 2 of the flash from an address on.
+    #[must_use]
+    pub fn flash(&self, address: u32) -> Vec<u8> {
+        self.shared.soc().flash.contents(address.saturating_sub(BANK_2)).to_vec()
+    }
+
+    /// Writes into bank 2 like a programmer.
+    pub fn program_flash(&mut self, address: u32, bytes: &[u8]) {
+        self.shared.soc().flash.load(address.saturating_sub(BANK_2), bytes);
+    }
+
+    /// Sends the core to an address, like a flipped bit in a return address.
+    pub fn derail(&mut self, address: u32) {
+        self.cpu.set_pc(address);
+    }
+
+    /// True state of the rig, up to 10 µs ahead.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        self.shared.soc().world.truth()
+    }
+
+    /// Force commanded to the amplifier, N. 0 while it is off.
+    #[must_use]
+    pub fn force(&self) -> f64 {
+        self.shared.soc().world.force()
+    }
+
+    /// Whether the amplifier enable pin is high.
+    #[must_use]
+    pub fn amplifier_on(&self) -> bool {
+        self.shared.soc().amplifier_on(self.now)
+    }
+
+    /// Statistics.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        let observed = self.shared.soc().stats.clone();
+        let (elapsed, asleep, busy_cycles) = (self.elapsed, self.asleep, self.busy_cycles);
+        Statistics { elapsed, asleep, busy_cycles, ..observed }
+    }
+
+    /// Resets the statistics.
+    pub fn reset_statistics(&mut self) {
+        self.shared.soc().stats = Statistics::default();
+        (self.elapsed, self.asleep, self.busy_cycles) = (0, 0, 0);
+    }
+
+    /// Violations of the data sheet by the firmware.
+    #[must_use]
+    pub fn violations(&self) -> BTreeSet<String> {
+        self.shared.soc().violations.clone()
+    }
+
+    /// Number of typed bytes that the receiver lost.
+    #[must_use]
+    pub fn serial_overruns(&self) -> u64 {
+        self.shared.soc().lpuart.overruns
+    }
+
+    /// Resets since power-on: time, ms, and reason.
+    #[must_use]
+    pub fn resets(&self) -> &[(f64, ResetCause)] {
+        &self.resets
+    }
+
+    /// Time from power-on to the first control step, ms.
+    #[must_use]
+    pub fn first_step_ms(&self) -> Option<f64> {
+        self.shared.soc().first_step_at.map(|at| at as f64 / UNITS_PER_MS as f64)
+    }
+
+    /// Virtual time since power-on, ms.
+    #[must_use]
+    pub fn milliseconds(&self) -> f64 {
+        self.now as f64 / UNITS_PER_MS as f64
+    }
+
+    /// Whether the core is locked up by a nested fault.
+    #[must_use]
+    pub fn locked_up(&self) -> bool {
+        self.cpu.is_locked_up()
+    }
+
+    /// Position of the core, for a person.
+    #[must_use]
+    pub fn whereabouts(&self) -> String {
+        let pc = self.cpu.pc();
+        let near = self.image.symbols.iter().filter(|(_, a)| **a & !1 <= pc).max_by_key(|(_, a)| **a & !1);
+        format!("pc {pc:#010x} in {}", near.map_or("?", |(name, _)| name))
+    }
+
+    /// Largest stack use, bytes.
+    #[must_use]
+    pub fn stack_bytes(&self) -> u32 {
+        let top = self.image.symbol("_stack_start").unwrap_or(RAM_BASE + RAM_SIZE);
+        let bottom = self.image.symbol("__sheap").or(self.image.symbol("__ebss")).unwrap_or(RAM_BASE);
+        let mut free = 0;
+        while bottom + free < top && self.ram.read_u8(u64::from(bottom + free - RAM_BASE)).ok() == Some(PAINT)
+        {
+            free += 1;
+        }
+        top - bottom - free
+    }
+}
+
+fn core(space: &Arc<AddressSpace>) -> ArmV7m {
+    let core = ArmV7m::new(Config::CORTEX_M4F.with_priority_bits(4).with_reset_vtor(FLASH_BASE));
+    core.attach_space(Arc::clone(space));
+    core
+}
+
+fn address_space(
+    shared: &Arc<Shared>,
+    bank_1: Arc<RomStore>,
+    ram: Arc<RamStore>,
+    ccm: Arc<RamStore>,
+) -> AddressSpace {
+    // of pages of 32 KiB, which divide the memories, up to the end of the peripherals
+    let pages = DispatchPolicy::Dense { page_bits: 15, cover: 0x6000_0000 };
+    let space = AddressSpace::new("cpu", 32).with_dispatch(pages);
+    let mut map = space.topology();
+    let window = |base| Arc::new(Window { shared: Arc::clone(shared), base });
+    let code = Bank1 { shared: Arc::clone(shared), store: bank_1, base: FLASH_BASE };
+    // constants that do not overlap
+    let regions = [
+        (Region::io("bank 1", u64::from(BANK_BYTES), Arc::new(code)), u64::from(FLASH_BASE)),
+        (Region::ram("ccm", ccm), u64::from(CCM_BASE)),
+        (Region::io("bank 2", u64::from(BANK_BYTES), Arc::new(Bank2(Arc::clone(shared)))), u64::from(BANK_2)),
+        (Region::ram("ram", ram), u64::from(RAM_BASE)),
+        (Region::ram("system", Arc::new(RamStore::new(0x1_0000))), 0x1fff_0000),
+        (Region::ram("dbgmcu", Arc::new(RamStore::new(0x1000))), 0xe004_2000),
+        (Region::io("apb", 0x1000_0000, window(0x4000_0000)), 0x4000_0000),
+        (Region::io("ahb2", 0x1000_0000, window(0x5000_0000)), 0x5000_0000),
+    ];
+    for (region, base) in regions {
+        map.map(region, base).expect("the memory map has no overlap");
+    }
+    drop(map);
+    space
+}
+
+#[cfg(test)]
+#[path = "machine_tests.rs"]
+mod tests;

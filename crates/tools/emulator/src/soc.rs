@@ -1,0 +1,431 @@
+//! The chip: peripherals by address, and their connections.
+
+use crate::adc::{Adc, Triggered};
+use crate::dac::Dac;
+use crate::flash::Flash;
+use crate::gpio::Gpio;
+use crate::inject::{Injector, Pulses};
+use crate::iwdg::Iwdg;
+use crate::lpuart::Lpuart;
+use crate::rcc::{Gate, Rcc, ResetCause};
+use crate::stats::{Statistics, us};
+use crate::supply::Supply;
+use crate::tim::{CAPTURE_LAG_CYCLES, Tim};
+use crate::units_per_cycle;
+use crate::world::World;
+use std::collections::{BTreeSet, HashMap};
+
+const TIM2: u32 = 0x4000_0000;
+const TIM7_END: u32 = 0x4000_1800;
+const IWDG: u32 = 0x4000_3000;
+const PWR: u32 = 0x4000_7000;
+const LPUART1: u32 = 0x4000_8000;
+const EXTI: u32 = 0x4001_0400;
+const RCC: u32 = 0x4002_1000;
+const FLASH: u32 = 0x4002_2000;
+const GPIOA: u32 = 0x4800_0000;
+const ADC1: u32 = 0x5000_0000;
+const DAC1: u32 = 0x5000_0800;
+
+const AHB2ENR: u32 = 0x4c;
+const APB1ENR1: u32 = 0x58;
+const APB1ENR2: u32 = 0x5c;
+const ADC_GATE: Gate = (AHB2ENR, 13);
+const DAC_GATE: Gate = (AHB2ENR, 16);
+const LPUART_GATE: Gate = (APB1ENR2, 0);
+
+/// Numbers of the driven interrupt lines.
+pub(crate) const IRQ_ADC1_2: u16 = 18;
+const IRQ_TIMERS: [u16; 6] = [28, 29, 30, 50, 54, 55];
+const IRQ_PVD: u16 = 1;
+const IRQ_LPUART1: u16 = 91;
+pub(crate) const IRQS: usize = 9;
+
+const ENABLE_PIN: u32 = 5;
+/// Alternate function of the enable pin, and the timer and channel behind it.
+const ENABLE_FUNCTION: u32 = 2;
+const ENABLE_TIMER: usize = 1;
+const ENABLE_CHANNEL: u32 = 2;
+const STOP_PIN: u32 = 7;
+
+/// Indices of timers: TIM2 is 0.
+const ENCODER: usize = 0;
+const EDGE_CLOCK: usize = 3;
+
+#[derive(Debug)]
+pub(crate) struct Soc {
+    pub rcc: Rcc,
+    tims: [Tim; 6],
+    adc: Adc,
+    dac: Dac,
+    pub lpuart: Lpuart,
+    iwdg: Iwdg,
+    pub flash: Flash,
+    gpio: [Gpio; 7],
+    pub supply: Supply,
+    other: HashMap<u32, u32>,
+    pub world: World,
+    stop_pressed: bool,
+    pub injector: Option<Injector>,
+    /// Edges of the encoder at an even pace, instead of those of the rig.
+    pub pulses: Option<Pulses>,
+    /// Delay from a count in TIM2 to the capture in TIM5, timer cycles.
+    pub capture_lag: u64,
+    pub stats: Statistics,
+    pub violations: BTreeSet<String>,
+    /// End of the sequence whose step is pending.
+    sampled_at: Option<u64>,
+    encoder_read: bool,
+    /// Times of the write of the force and of the end of its sample, until the output.
+    awaiting_output: Option<u64>,
+    last_output: Option<u64>,
+    last_fed: Option<u64>,
+    pub first_step_at: Option<u64>,
+}
+
+impl Soc {
+    pub fn new(world: World) -> Self {
+        Self {
+            rcc: Rcc::new(ResetCause::PowerOn),
+            tims: [2, 3, 4, 5, 6, 7].map(Tim::new),
+            adc: Adc::new(),
+            dac: Dac::default(),
+            lpuart: Lpuart::default(),
+            iwdg: Iwdg::new(),
+            flash: Flash::new(),
+            gpio: std::array::from_fn(|_| Gpio::new()),
+            supply: Supply::new(),
+            other: HashMap::new(),
+            world,
+            stop_pressed: false,
+            injector: None,
+            pulses: None,
+            capture_lag: CAPTURE_LAG_CYCLES,
+            stats: Statistics::default(),
+            violations: BTreeSet::new(),
+            sampled_at: None,
+            encoder_read: false,
+            awaiting_output: None,
+            last_output: None,
+            last_fed: None,
+            first_step_at: None,
+        }
+    }
+
+    /// Resets all registers. The rig is unchanged.
+    pub fn reset(&mut self, cause: ResetCause, now: u64) {
+        if self.flash.power_lost {
+            self.flash.power_up();
+        } else {
+            self.flash.reset(now);
+        }
+        self.violations.extend(self.flash.violation.take());
+        let shown = std::mem::take(&mut self.lpuart.shown);
+        let overruns = self.lpuart.overruns;
+        self.rcc = Rcc::new(cause);
+        self.tims = [2, 3, 4, 5, 6, 7].map(Tim::new);
+        self.adc = Adc::new();
+        self.dac = Dac::default();
+        self.lpuart = Lpuart::default();
+        self.lpuart.shown = shown;
+        self.lpuart.overruns = overruns;
+        self.iwdg = Iwdg::new();
+        self.gpio = std::array::from_fn(|_| Gpio::new());
+        self.supply.reset();
+        self.other.clear();
+        (self.sampled_at, self.awaiting_output, self.last_output, self.last_fed) = (None, None, None, None);
+    }
+
+    pub fn press_stop(&mut self, pressed: bool) {
+        self.stop_pressed = pressed;
+    }
+
+    /// Whether the enable pin is high: as a plain output, or as the output of its timer.
+    pub fn amplifier_on(&self, now: u64) -> bool {
+        let port = &self.gpio[1];
+        let pulse = port.alternate(ENABLE_PIN, ENABLE_FUNCTION)
+            && self.tims[ENABLE_TIMER].output_high(ENABLE_CHANNEL, now);
+        port.output_high(ENABLE_PIN) || pulse
+    }
+
+    /// Input of the amplifier: a code while it is enabled and the DAC drives its pin.
+    fn force_code(&self, now: u64) -> Option<u16> {
+        let driven = self.gpio[0].analog(4);
+        self.dac.code().filter(|_| self.amplifier_on(now) && driven)
+    }
+
+    pub fn watchdog_due(&self, now: u64) -> bool {
+        self.iwdg.deadline.is_some_and(|at| now >= at)
+    }
+
+    fn gate(&mut self, gate: Gate, what: &str) -> bool {
+        let on = self.rcc.enabled(gate);
+        if !on {
+            self.violations.insert(format!("{what} used without its clock"));
+        }
+        on
+    }
+
+    pub fn read(&mut self, address: u32, now: u64) -> u32 {
+        self.advance(now);
+        let offset = address & 0x3ff;
+        match address {
+            TIM2..TIM7_END => {
+                let index = ((address - TIM2) / 0x400) as usize;
+                if !self.gate((APB1ENR1, index as u32), "a timer") {
+                    return 0;
+                }
+                if index == ENCODER && offset == 0x24 {
+                    self.encoder_was_read(now);
+                }
+                let value = self.tims[index].read(offset, now);
+                if Tim::is_capture(offset) {
+                    self.tims[index].was_read(offset);
+                }
+                value
+            }
+            IWDG..0x4000_3400 => self.iwdg.read(offset),
+            PWR..0x4000_7400 => self.supply.read_pwr(offset),
+            EXTI..0x4001_0800 => self.supply.read_exti(offset),
+            LPUART1..0x4000_8400 => {
+                if self.gate(LPUART_GATE, "LPUART1") {
+                    self.lpuart.read(offset)
+                } else {
+                    0
+                }
+            }
+            RCC..0x4002_1400 => self.rcc.read(offset),
+            FLASH..0x4002_2400 => self.flash.read(offset, now),
+            GPIOA..0x4800_1c00 => {
+                self.gpio[2].drive(STOP_PIN, self.stop_pressed);
+                self.gpio[((address - GPIOA) / 0x400) as usize].read(offset)
+            }
+            ADC1..DAC1 => {
+                if self.gate(ADC_GATE, "ADC1") {
+                    self.adc.read(address - ADC1)
+                } else {
+                    0
+                }
+            }
+            DAC1..0x5000_0c00 => {
+                if self.gate(DAC_GATE, "DAC1") {
+                    self.dac.read(offset)
+                } else {
+                    0
+                }
+            }
+            _ => self.other.get(&address).copied().unwrap_or(0),
+        }
+    }
+
+    pub fn write(&mut self, address: u32, value: u32, now: u64) {
+        self.advance(now);
+        let offset = address & 0x3ff;
+        match address {
+            TIM2..TIM7_END => {
+                let index = ((address - TIM2) / 0x400) as usize;
+                if self.gate((APB1ENR1, index as u32), "a timer") {
+                    let cycle = units_per_cycle(self.rcc.timer1());
+                    self.tims[index].write(offset, value, now, cycle);
+                }
+            }
+            IWDG..0x4000_3400 => self.feed(offset, value, now),
+            PWR..0x4000_7400 => self.supply.write_pwr(offset, value),
+            EXTI..0x4001_0800 => self.supply.write_exti(offset, value),
+            LPUART1..0x4000_8400 => {
+                if self.gate(LPUART_GATE, "LPUART1") {
+                    let hz = self.rcc.lpuart1();
+                    self.lpuart.write(offset, value, now, hz);
+                }
+            }
+            RCC..0x4002_1400 => {
+                self.rcc.write(offset, value);
+                self.check_clock();
+            }
+            FLASH..0x4002_2400 => {
+                self.flash.write(offset, value, now);
+                self.violations.extend(self.flash.violation.take());
+            }
+            GPIOA..0x4800_1c00 => {
+                let port = ((address - GPIOA) / 0x400) as usize;
+                if self.gate((AHB2ENR, port as u32), "a GPIO port") {
+                    self.gpio[port].write(offset, value);
+                }
+            }
+            ADC1..DAC1 => {
+                if self.gate(ADC_GATE, "ADC1") {
+                    self.adc.write(address - ADC1, value);
+                }
+            }
+            DAC1..0x5000_0c00 => {
+                if self.gate(DAC_GATE, "DAC1") && self.dac.write(offset, value) {
+                    self.force_was_written(now);
+                }
+            }
+            _ => {
+                self.other.insert(address, value);
+            }
+        }
+    }
+
+    fn check_clock(&mut self) {
+        let (hz, wait_states) = (self.rcc.hclk(), self.flash.wait_states());
+        if hz > 34_000_000 * (wait_states + 1) {
+            self.violations.insert(format!("{hz} Hz with {wait_states} flash wait states"));
+        }
+        if hz > 150_000_000 && !self.supply.boosted() {
+            self.violations.insert(format!("{hz} Hz without boost"));
+        }
+        if hz > 170_000_000 {
+            self.violations.insert(format!("core at {hz} Hz, more than 170 MHz"));
+        }
+    }
+
+    fn feed(&mut self, offset: u32, value: u32, now: u64) {
+        let fed = self.iwdg.fed;
+        self.iwdg.write(offset, value, now);
+        if self.iwdg.fed != fed
+            && let Some(last) = self.last_fed.replace(now)
+        {
+            self.stats.watchdog_gap_ms.add(us(now - last) / 1e3);
+        }
+    }
+
+    fn encoder_was_read(&mut self, now: u64) {
+        if let Some(at) = self.sampled_at
+            && !self.encoder_read
+        {
+            self.encoder_read = true;
+            self.stats.sampling_us.add(us(now - at));
+        }
+    }
+
+    fn force_was_written(&mut self, now: u64) {
+        // DAC_MCR.HFSEL: 1 above 80 MHz, 2 above 160 MHz [rm0440, 22.7.16]
+        let (hz, hfsel) = (self.rcc.hclk(), self.dac.read(0x3c) >> 14 & 3);
+        if hz > 160_000_000 && hfsel != 2 || hz > 80_000_000 && hfsel == 0 {
+            self.violations.insert(format!("DAC1 with HFSEL = {hfsel} on a bus of {hz} Hz"));
+        }
+        if let Some(at) = self.sampled_at.take() {
+            self.stats.steps += 1;
+            self.stats.compute_us.add(us(now - at));
+            self.awaiting_output = Some(at);
+            self.first_step_at.get_or_insert(now);
+        }
+    }
+
+    fn force_was_put_out(&mut self, fresh: bool, at: u64) {
+        match self.awaiting_output.take() {
+            Some(sampled) if fresh => self.stats.latency_us.add(us(at - sampled)),
+            _ if self.stats.steps > 0 => self.stats.stale_outputs += 1,
+            _ => {}
+        }
+        if let Some(last) = self.last_output.replace(at) {
+            self.stats.output_period_us.add(us(at - last));
+        }
+    }
+
+    /// Advances everything to `now`, in order of time.
+    pub fn advance(&mut self, now: u64) {
+        loop {
+            let next = self.next_event();
+            if next > now {
+                break;
+            }
+            self.advance_to(next);
+        }
+        for tim in &mut self.tims {
+            tim.advance(now);
+        }
+    }
+
+    fn advance_to(&mut self, at: u64) {
+        let code = self.force_code(at);
+        self.world.advance(at, code);
+        while let Some((when, up)) = self.world.edge(at) {
+            if self.pulses.is_none() {
+                self.encoder_edge(when, up);
+            }
+        }
+        while let Some((when, up)) = self.pulses.as_mut().and_then(|pulses| pulses.due(at)) {
+            self.encoder_edge(when, up);
+        }
+        for index in 0..self.tims.len() {
+            if self.tims[index].advance(at) > 0 && self.tims[index].updates_trigger() {
+                self.trigger(index as u8 + 2, at);
+            }
+        }
+        if let Some(lost) = self.adc.advance(at) {
+            self.stats.missed += u64::from(lost || self.sampled_at.is_some());
+            self.sampled_at = Some(at);
+            self.encoder_read = false;
+            self.inject(at);
+        }
+        self.lpuart.advance(at);
+    }
+
+    /// Replaces measurements by injected readings.
+    fn inject(&mut self, at: u64) {
+        if let Some(Injector(source)) = &mut self.injector {
+            let readings = source();
+            self.adc.replace([readings.load_code, readings.accel_code]);
+            self.tims[ENCODER].replace_count(readings.count);
+            self.tims[EDGE_CLOCK].replace_capture(at, readings.skew_ticks, readings.edge_age);
+        }
+    }
+
+    fn encoder_edge(&mut self, at: u64, up: bool) {
+        if self.injector.is_some() {
+            return;
+        }
+        let wired = self.gpio[0].alternate(0, 1) && self.gpio[0].alternate(1, 1);
+        if wired && self.tims[ENCODER].encoder_edge(up) {
+            for tim in &mut self.tims {
+                tim.trigger_input(2, at, self.capture_lag);
+            }
+        }
+    }
+
+    /// Handles a pulse on the trigger output of a timer.
+    fn trigger(&mut self, timer: u8, at: u64) {
+        let wired = self.gpio[2].analog(0) && self.gpio[2].analog(1);
+        let world = &self.world;
+        let level = |channel| if wired { world.level(channel) } else { 0 };
+        match self.adc.trigger(timer, at, self.rcc.adc12(), level) {
+            Triggered::Started => self.stats.triggers += 1,
+            Triggered::Busy => {
+                self.stats.triggers += 1;
+                self.stats.missed += 1;
+            }
+            Triggered::Ignored => {}
+        }
+        self.violations.extend(self.adc.violation.take());
+        let fresh = self.dac.fresh;
+        if self.dac.trigger(timer) {
+            self.force_was_put_out(fresh, at);
+        }
+    }
+
+    /// Time of the next spontaneous event.
+    pub fn next_event(&self) -> u64 {
+        let tims = self.tims.iter().map(Tim::next_event).min().unwrap_or(u64::MAX);
+        let pulse = self.pulses.as_ref().map_or(u64::MAX, |pulses| pulses.next);
+        tims.min(pulse).min(self.adc.next_event()).min(self.lpuart.next_event()).min(self.world.next_event())
+    }
+
+    /// Interrupt lines and their levels.
+    pub fn interrupts(&mut self) -> [(u16, bool); IRQS] {
+        let tims: [bool; 6] = std::array::from_fn(|k| self.tims[k].interrupt());
+        let tx_rx_wired = self.gpio[0].alternate(2, 12) && self.gpio[0].alternate(3, 12);
+        std::array::from_fn(|k| match k {
+            0..6 => (IRQ_TIMERS[k], tims[k]),
+            6 => (IRQ_ADC1_2, self.adc.interrupt()),
+            7 => (IRQ_PVD, self.supply.interrupt()),
+            _ => (IRQ_LPUART1, tx_rx_wired && self.lpuart.interrupt()),
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "soc_tests.rs"]
+mod tests;
