@@ -78,8 +78,11 @@ fn settled<S: Scalar>(u: S, healing: S, q: S) -> S {
     if healing.abs() < S::lit(SLIP) {
         return u * (-q).exp();
     }
+    let one = S::one();
     let z = (healing * u).exp();
-    (z + (S::one() - z) * (q * mean_decay(q))).ln() / healing
+    // 1 + (z − 1)·e^(−q), each side of 1 without a difference that could cancel to nothing
+    let after = if z > one { one + (z - one) * (-q).exp() } else { z + (one - z) * (q * mean_decay(q)) };
+    after.ln() / healing
 }
 
 impl Signature for RateAndState {

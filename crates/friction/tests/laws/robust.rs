@@ -224,3 +224,14 @@ fn laws_without_friction_give_none() {
         assert_eq!(l.step(&mut Default::default(), &m(v)), 0.0);
     }
 }
+
+#[test]
+fn a_contact_that_slid_far_within_no_time_keeps_its_age() {
+    // 7.8e12·(1 − 1.0000001) was below zero, and its logarithm no number
+    let rock = Effect { kind: EffectKind::RateAndState, gains: [0.0; 4], shape: [1e-9, 0.742_046_54] };
+    let mut state = EffectState::default();
+    for (dt, displacement) in [(1e-30, 0.0), (1e-45, 110_462_010.0)] {
+        let force: f32 = rock.step(&mut state, &Motion { dt, displacement, ..Motion::default() });
+        assert_eq!(force, 0.0, "after {displacement} m in {dt} s");
+    }
+}
