@@ -3,31 +3,10 @@
 
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use emulator::random::Random;
 use std::collections::{BTreeMap, BTreeSet};
 use tribos_firmware::board::simulated::flash::{BYTES, PAGE, SimulatedFlash};
 use tribos_firmware::presets::{Library, Medium, NotStored, Refused};
-
-/// SplitMix64 [steele-2014].
-#[derive(Clone)]
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    /// Each bit is set with this chance of 256.
-    fn bits(&mut self, chance: u64) -> u8 {
-        (0..8).fold(0, |bits, bit| bits | u8::from(self.next() & 0xff < chance) << bit)
-    }
-}
 
 /// A flash as bad as it can be: an operation cut short leaves any of the bits undone, and a double word with a wrong
 /// error-correcting code reads differently every time.
@@ -58,7 +37,7 @@ impl Cut {
         match (cut, self.random.below(4)) {
             (false, _) | (true, 0) => 256,
             (true, 1) => 0,
-            (true, _) => self.random.next() % 257,
+            (true, _) => self.random.draw() % 257,
         }
     }
 
@@ -173,7 +152,7 @@ fn cut_everywhere(seed: u64, saves: usize) -> (u64, u64, u64) {
     for save in 0..saves {
         // most are seldom saved: they have to be copied on when their page is erased
         let key = if save < 9 || random.below(40) == 0 { random.below(9) } else { 8 } as u8;
-        let item: Vec<u8> = (0..1 + random.below(200)).map(|_| random.next() as u8).collect();
+        let item: Vec<u8> = (0..1 + random.below(200)).map(|_| random.draw() as u8).collect();
         let before = library.close();
         let mut after = known.clone();
         after.insert(key, item.clone());
@@ -184,7 +163,7 @@ fn cut_everywhere(seed: u64, saves: usize) -> (u64, u64, u64) {
         for cut in 0..cuts {
             // each operation torn in several ways
             let n = 1 + cut / 4;
-            let tearing = random.next();
+            let tearing = random.draw();
             let mut torn = open(before.powered(n, tearing)).expect("nothing to repair");
             let whole = block_on(torn.store(key, &item));
             let mut flash = torn.close();
@@ -195,13 +174,13 @@ fn cut_everywhere(seed: u64, saves: usize) -> (u64, u64, u64) {
             // the repair is cut as well, sometimes more than once
             while random.below(3) > 0 {
                 let left = 1 + random.below(12) as u64;
-                flash = match open(flash.powered(left, random.next())) {
+                flash = match open(flash.powered(left, random.draw())) {
                     Ok(library) => library.close(),
                     // the library took the flash with it: repair a copy to see what was left of it
-                    Err(_) => repaired_in_part(&flash, left, random.next()),
+                    Err(_) => repaired_in_part(&flash, left, random.draw()),
                 };
             }
-            let again = open(flash.powered(u64::MAX, random.next())).expect("power is back");
+            let again = open(flash.powered(u64::MAX, random.draw())).expect("power is back");
             let (mut again, found) = items(again);
             assert!(found == known || found == after, "seed {seed}, cut {n}: neither old nor new");
             *(if found == after { &mut new } else { &mut old }) += 1;
@@ -209,7 +188,7 @@ fn cut_everywhere(seed: u64, saves: usize) -> (u64, u64, u64) {
             block_on(again.store(key, &item)).expect("it can be saved now");
             assert_eq!(items(again).1, after, "seed {seed}, cut {n}, saved again");
         }
-        library = open(before.powered(u64::MAX, random.next())).expect("power is back");
+        library = open(before.powered(u64::MAX, random.draw())).expect("power is back");
         block_on(library.store(key, &item)).expect("room");
         known = after;
         let found;
@@ -272,7 +251,7 @@ fn garbage_in_flash_causes_no_panic() {
     let mut random = Random(7);
     let (mut taken, mut refused) = (0, 0);
     for round in 0..300 {
-        let mut bytes: Vec<u8> = (0..BYTES).map(|_| random.next() as u8).collect();
+        let mut bytes: Vec<u8> = (0..BYTES).map(|_| random.draw() as u8).collect();
         for page in bytes.chunks_mut(PAGE) {
             if random.below(2) == 0 {
                 page.fill(if random.below(2) == 0 { 0xff } else { 0 });

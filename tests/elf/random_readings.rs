@@ -1,34 +1,13 @@
 //! Readings made up for the ELF: what a hand might do, what must trip a check, and any bits at all.
 
 use emulator::Injected;
+use emulator::random::Random;
 
 /// Ticks in a period.
 pub const PERIOD: u32 = 170_000;
 const MID: u16 = 32_768;
 /// Counts from the middle to where the made-up handle turns round: 12 mm.
 const TURN: i32 = 4_700;
-
-/// SplitMix64 [steele-2014].
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// −`most` … `most`.
-    pub fn within(&mut self, most: i32) -> i32 {
-        (self.next() % (2 * most as u64 + 1)) as i32 - most
-    }
-
-    pub fn share(&mut self) -> f64 {
-        self.next() as f64 / u64::MAX as f64
-    }
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Style {
@@ -87,19 +66,19 @@ impl Source {
                 let moved = self.count != 0 || self.speed != 0;
                 (self.speed, self.count) =
                     (self.count.clamp(-20, 20), self.count - self.count.clamp(-20, 20));
-                let edge_age = moved.then(|| r.next() as u32 % (PERIOD / 2));
+                let edge_age = moved.then(|| r.draw() as u32 % (PERIOD / 2));
                 Injected { load_code: MID, accel_code: MID, count: self.count as u32, edge_age, skew_ticks }
             }
             Style::Any => Injected {
-                load_code: r.next() as u16,
-                accel_code: [0, u16::MAX, r.next() as u16][(r.next() % 3) as usize],
-                count: [0, i32::MAX as u32, i32::MIN as u32, u32::MAX, r.next() as u32]
-                    [(r.next() % 5) as usize],
+                load_code: r.draw() as u16,
+                accel_code: [0, u16::MAX, r.draw() as u16][(r.draw() % 3) as usize],
+                count: [0, i32::MAX as u32, i32::MIN as u32, u32::MAX, r.draw() as u32]
+                    [(r.draw() % 5) as usize],
                 edge_age: Some(
-                    [0, u32::MAX, r.next() as u32, r.next() as u32 % PERIOD][(r.next() % 4) as usize],
+                    [0, u32::MAX, r.draw() as u32, r.draw() as u32 % PERIOD][(r.draw() % 4) as usize],
                 ),
                 // the second: the stamp of the sample before, again
-                skew_ticks: [0, PERIOD.wrapping_neg(), r.next() as u32][(r.next() % 3) as usize],
+                skew_ticks: [0, PERIOD.wrapping_neg(), r.draw() as u32][(r.draw() % 3) as usize],
             },
             Style::Hand => self.hand(),
             Style::Trips => {
@@ -108,11 +87,11 @@ impl Source {
                 if self.rails > 0 {
                     // three in a row are a fault
                     self.rails -= 1;
-                    return Injected { load_code: [0, u16::MAX][(r.next() % 2) as usize], ..hand };
+                    return Injected { load_code: [0, u16::MAX][(r.draw() % 2) as usize], ..hand };
                 }
-                match r.next() % 600 {
-                    0 => Injected { count: r.next() as u32, ..hand },
-                    1 => Injected { skew_ticks: r.next() as u32, ..hand },
+                match r.draw() % 600 {
+                    0 => Injected { count: r.draw() as u32, ..hand },
+                    1 => Injected { skew_ticks: r.draw() as u32, ..hand },
                     2..5 => {
                         self.rails = 4;
                         hand
@@ -120,7 +99,7 @@ impl Source {
                     12 => Injected { edge_age: Some(PERIOD - 1), ..hand },
                     13 => Injected { skew_ticks: PERIOD.wrapping_neg(), ..hand },
                     14 => Injected {
-                        count: [i32::MAX as u32, i32::MIN as u32][(r.next() % 2) as usize],
+                        count: [i32::MAX as u32, i32::MIN as u32][(r.draw() % 2) as usize],
                         ..hand
                     },
                     _ => hand,
@@ -132,7 +111,7 @@ impl Source {
     fn hand(&mut self) -> Injected {
         let r = &mut self.random;
         if self.motion.1 == 0 {
-            self.motion = (r.next() as u32 % 6, 50 + r.next() as u32 % 300);
+            self.motion = (r.draw() as u32 % 6, 50 + r.draw() as u32 % 300);
         }
         self.motion.1 -= 1;
         let before = self.count;
@@ -153,13 +132,13 @@ impl Source {
             self.count = before + r.within(1);
         }
         let moved = self.count != before;
-        let age = match r.next() % 50 {
+        let age = match r.draw() % 50 {
             // the capture failed, or is of another edge
-            0 => Some(r.next() as u32),
-            1 => Some(r.next() as u32 % (PERIOD / 2)),
+            0 => Some(r.draw() as u32),
+            1 => Some(r.draw() as u32 % (PERIOD / 2)),
             // the stamp of the edge before, again
             2 => None,
-            _ => moved.then(|| r.next() as u32 % (PERIOD / 2)),
+            _ => moved.then(|| r.draw() as u32 % (PERIOD / 2)),
         };
         let noise = |r: &mut Random| (i32::from(MID) + r.within(700)) as u16;
         let (load_code, accel_code) = (noise(r), noise(r));

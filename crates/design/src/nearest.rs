@@ -67,26 +67,9 @@ pub fn nearest(settings: &Settings, device: &Device) -> Option<(Vec<Change>, Set
 mod tests {
     use super::*;
 
-    /// [thesis, table 5-3].
-    fn jnd_reference() -> Settings {
-        Settings {
-            f_static_p: 2.0,
-            f_static_n: 2.0,
-            f_dynamic_p: 2.0,
-            f_dynamic_n: 2.0,
-            damping_p: 20.0,
-            damping_n: 20.0,
-            dv: 1e-3,
-            mass: 0.5,
-            k_vc: 25_000.0,
-            b_vc: 10.0,
-            ..Settings::brass()
-        }
-    }
-
     #[test]
     fn table_5_3_needs_only_a_larger_dv() {
-        let (changes, found) = nearest(&jnd_reference(), &Device::default()).expect("there is one");
+        let (changes, found) = nearest(&Settings::forced_choice(), &Device::default()).expect("there is one");
         println!("{changes:?}");
         assert_eq!(changes.len(), 1);
         assert_eq!((changes[0].parameter.as_str(), changes[0].unsafe_before), ("dv", false));
@@ -97,10 +80,10 @@ mod tests {
     #[test]
     fn whatever_is_wrong_a_preset_that_runs_is_found() {
         let wild = [
-            Settings { k_vc: 1e7, b_vc: 1e4, mass: 1e-6, ..jnd_reference() },
-            Settings { f_static_p: 99.0, f_dynamic_p: 98.0, f_static_n: 0.1, ..jnd_reference() },
-            Settings { dv: f32::NAN, k_vc: f32::INFINITY, ..jnd_reference() },
-            Settings { law: haptics::LawKind::LuGre, sigma: 1e12, sigma_1: 1e9, ..jnd_reference() },
+            Settings { k_vc: 1e7, b_vc: 1e4, mass: 1e-6, ..Settings::forced_choice() },
+            Settings { f_static_p: 99.0, f_dynamic_p: 98.0, f_static_n: 0.1, ..Settings::forced_choice() },
+            Settings { dv: f32::NAN, k_vc: f32::INFINITY, ..Settings::forced_choice() },
+            Settings { law: haptics::LawKind::LuGre, sigma: 1e12, sigma_1: 1e9, ..Settings::forced_choice() },
         ];
         for preset in wild {
             let (changes, found) = nearest(&preset, &Device::default()).expect("there is one");

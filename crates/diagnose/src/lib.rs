@@ -32,6 +32,7 @@
 
 mod experiment;
 mod findings;
+mod free_form;
 mod library;
 mod naming;
 mod options;
@@ -49,8 +50,8 @@ pub use options::{Error, Options};
 pub use per_recording::{Nuisance, PerRecording};
 pub use pipeline::diagnose;
 pub use result::{
-    After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, LeftOut, Location, Missing,
-    NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,
+    After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, FreeCurve, FreeFormFinding, LeftOut,
+    Location, LooksLike, Missing, NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,
 };
 
 /// Ids of every effect a diagnosis can name, in the order of the catalogue.

@@ -2,6 +2,8 @@
 
 use crate::findings::floor::{Floor, floor, systematic};
 use crate::findings::validate::{Frozen, Judge};
+use crate::free_form::contradiction::{self, Resolved};
+use crate::free_form::describe::{Described, Gain};
 use crate::library::applied_force::AppliedForce;
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
@@ -40,6 +42,12 @@ pub(crate) struct Named {
     /// What was named and does not last.
     pub withdrawn: Vec<Withdrawn>,
     pub regimes: Vec<Regime>,
+    /// What was found with the physics that has no name, fitted jointly.
+    pub last: Hypothesis,
+    /// What each free form gains.
+    pub gains: Vec<Gain>,
+    /// Names that the free forms contradict.
+    pub kin: Vec<TermKind>,
     /// Effects that need another geometry, or a channel that the recordings do not have, and why.
     pub unavailable: Vec<(&'static str, &'static str)>,
 }
@@ -74,16 +82,17 @@ impl Named {
             return;
         }
         let baseline = self.regression.baseline.clone();
+        let (plain, rows) = self.frozen(&baseline, options).squared(judges, &baseline);
         loop {
             let frozen = self.frozen(&self.found, options);
-            let (with, rows) = frozen.squared(judges, &self.found);
+            let (with, _) = frozen.squared(judges, &self.found);
             let others = |i: usize| {
                 let mut atoms = self.found.atoms.clone();
                 atoms.remove(i);
                 let without = Hypothesis::new(frozen.design, atoms)?;
                 Some((frozen.squared(judges, &without).0, i, without))
             };
-            let worse = with > frozen.squared(judges, &baseline).0;
+            let worse = with > plain;
             // recordings with another zero say nothing about what is zero there on the average, unless nothing else is left
             let judged =
                 |i: &usize| worse || frozen.absolute || !self.found.atoms[*i].term.kind.is_periodic();
@@ -103,6 +112,38 @@ impl Named {
             let (found, p) = search.prune(search.refine(fewer, FINE), baseline.fit.heldout_sum());
             self.withdrawn.push(withdrawn);
             (self.found, self.p) = (found, p);
+        }
+    }
+
+    /// Describes what has no name by free forms, as long as they lower the error on `judges`.
+    pub fn describe(&mut self, judges: &[Judge], options: &Options, cutoff: f64) {
+        let search = self.search(options, cutoff);
+        let Resolved { found, mut described, kin } =
+            contradiction::resolve(&search, &self.found, &self.regimes, &self.regression.baseline);
+        let squared = |d: &Described| {
+            let last = d.beside(&found);
+            self.frozen(&last, options).squared(judges, &last).0
+        };
+        while !judges.is_empty() && !described.terms.is_empty() {
+            let fewer =
+                (0..described.terms.len()).filter_map(|i| described.without(&search, &found, Some(i)));
+            let best = fewer.map(|d| (squared(&d), d)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((without, fewer)) = best else { break };
+            if without > (1.0 - CHANCE) * squared(&described) {
+                break;
+            }
+            described = fewer;
+        }
+        // without a curve nothing contradicts a name
+        let contradicted = !described.terms.is_empty() || kin.is_empty();
+        if contradicted {
+            let stays = |kind: TermKind| found.has(kind);
+            let named = self.found.atoms.iter().zip(&self.p).filter(|(a, _)| stays(a.term.kind));
+            self.p = named.map(|(_, p)| *p).collect();
+            (self.last, self.gains) = (described.beside(&found), described.gains);
+            (self.found, self.kin) = (found, kin);
+        } else {
+            self.last = self.found.clone();
         }
     }
 
@@ -189,26 +230,22 @@ pub(crate) fn name(
 
         let regimes = lasting::regimes(design, &intake.names);
         let mut withdrawn: Vec<Withdrawn> = Vec::new();
-        for _ in 0..ROUNDS {
+        for round in 0.. {
             let search = search(&regression, &noisy, &catalogue, &scales, &floor, options, cutoff);
             let fails;
             (found, p, fails) = search.lasting((found, p), &regimes);
-            if fails.is_empty() {
-                break;
-            }
+            let last = fails.is_empty() || round == ROUNDS;
             // what takes the place of a symptom may be the cause
             fails.iter().for_each(|w| catalogue.exclude(w.kind));
             withdrawn.extend(fails);
+            if last {
+                break;
+            }
             (found, p) = run(&found, &floor, &catalogue);
         }
-        let search = search(&regression, &noisy, &catalogue, &scales, &floor, options, cutoff);
-        let fails;
-        (found, p, fails) = search.lasting((found, p), &regimes);
-        withdrawn.extend(fails);
-        withdrawn.retain(|w| !found.has(w.kind));
         let mut told = Vec::new();
         withdrawn.retain(|w| {
-            let new = !told.contains(&w.kind.id());
+            let new = !found.has(w.kind) && !told.contains(&w.kind.id());
             told.push(w.kind.id());
             new
         });
@@ -219,10 +256,13 @@ pub(crate) fn name(
             scales,
             acting,
             floor,
-            found,
             p,
             withdrawn,
             regimes,
+            last: found.clone(),
+            gains: Vec::new(),
+            kin: Vec::new(),
+            found,
             unavailable,
         };
     }

@@ -10,6 +10,7 @@ use crate::findings::locate::{locate, row_motion, row_times};
 use crate::findings::nuisance;
 use crate::findings::unnamed::SEVERAL;
 use crate::findings::validate::{Judge, judges};
+use crate::free_form;
 use crate::library::baseline::BASELINE;
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::series;
@@ -45,11 +46,11 @@ const MOST_REGIONS: usize = 12;
 /// Share of the time that may be set aside around reversals; where it is more, they are kept.
 const MOST_REVERSALS: f64 = 0.6;
 
-/// Cycles of the cut-off in a recording that leave enough rows to be fitted and held out.
-const FEWEST_CYCLES: f64 = 50.0;
-
 /// The same where nothing else is left.
 const FEW_REVERSALS: f64 = 0.2;
+
+/// Cycles of the cut-off in a recording that leave enough rows to be fitted and held out.
+const FEWEST_CYCLES: f64 = 50.0;
 
 /// Share of the time around reversals, as far as the filter at `cutoff` Hz smears each.
 fn reversals(stretches: &[Channels], cutoff: f64) -> f64 {
@@ -142,6 +143,8 @@ pub fn diagnose(
     let judges = judged.map_or_else(Vec::new, |j| judges(&j, cutoff, &named.regression, &named.acting));
     let names: Vec<&str> = validate.iter().map(|r| r.name.as_str()).collect();
     named.confirm(&judges, options, cutoff, &names.join(", "));
+    progress(0.8, "what has no name");
+    named.describe(&judges, options, cutoff);
     Ok(Run { intake, cutoff, options, origins, named }.diagnose(&judges, progress))
 }
 
@@ -202,6 +205,10 @@ impl Run<'_> {
         let mut found = named.found.clone();
         let joint = Joint::of(&search, &found);
         found.fit.std_errors = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
+        let mut last = named.last.clone();
+        for (std, joint) in last.fit.std_errors.iter_mut().zip(&found.fit.std_errors) {
+            *std = std.max(*joint);
+        }
 
         progress(0.85, "location");
         let columns = Hypothesis::columns(design, &[]);
@@ -210,19 +217,18 @@ impl Run<'_> {
             design,
             &columns,
             &baseline.fit.residual,
-            &found.fit.residual,
-            &found.fit.residual,
+            &last.fit.residual,
+            &last.fit.residual,
             squared_floor,
             geometry,
             options.seed,
         );
-        let columns = Hypothesis::columns(design, &found.atoms);
         let left = locate(
             design,
-            &columns,
-            &found.fit.residual,
-            &found.fit.residual,
-            &found.fit.residual,
+            &last.all_columns(design),
+            &last.fit.residual,
+            &last.fit.residual,
+            &last.fit.residual,
             squared_floor,
             geometry,
             options.seed,
@@ -230,12 +236,22 @@ impl Run<'_> {
 
         let followed = &named.regression.followed;
         let before = baseline.fit.heldout_sum();
-        let after = found.fit.heldout_sum();
-        let unnamed = findings::unnamed::find(&search, &found, &left, before, geometry).or_else(|| {
-            findings::unnamed::elsewhere(&search, &found, left.p, geometry).filter(|_| found.atoms.is_empty())
-        });
+        let after = last.fit.heldout_sum();
+        let kin: Vec<&str> = named.kin.iter().map(TermKind::id).collect();
+        let unnamed: Vec<Missing> = last
+            .free
+            .iter()
+            .zip(&named.gains)
+            .enumerate()
+            .map(|(i, (t, gain))| {
+                let kin = if i == 0 { kin.as_slice() } else { &[] };
+                free_form::finding::missing(t, gain, rows, kin, geometry)
+            })
+            .collect();
+        let elsewhere = findings::unnamed::elsewhere(&search, &found, left.p, geometry)
+            .filter(|_| found.atoms.is_empty() && unnamed.is_empty());
         progress(0.9, "rivals");
-        let plant = self.plant(&found);
+        let plant = self.plant(&last);
         let frequency = self.intake.stretches.iter().map(Channels::dominant_frequency).fold(0.0, f64::max);
         let rivals: Vec<Vec<Rival>> =
             (0..found.atoms.len()).into_par_iter().map(|i| equivalents(&search, &found, i)).collect();
@@ -247,7 +263,7 @@ impl Run<'_> {
             .iter()
             .zip(&rivals)
             .enumerate()
-            .map(|(i, (p, r))| self.missing(&found, &joint, i, *p, r))
+            .map(|(i, (p, r))| self.missing(&found, &last, &joint, i, *p, r))
             .collect();
         progress(0.93, "the next experiment");
         let designer = Designer {
@@ -287,11 +303,10 @@ impl Run<'_> {
         let follows = findings::unnamed::where_it_follows(followed);
         let mut location = [follows, shown(&ahead), of_fit, shown(&behind)].concat();
         missing.extend(ahead.into_iter().chain(behind).map(|(m, _)| m));
-        missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
-        let explained_by_unnamed = unnamed.as_ref().map(|u| u.rms_heldout_after);
         missing.extend(findings::unnamed::follows(followed));
-        missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         missing.extend(unnamed);
+        missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+        missing.extend(elsewhere);
         let verdict = if missing.is_empty() { Verdict::NoMismatch } else { Verdict::Mismatch };
 
         progress(0.95, "free run and validation");
@@ -316,11 +331,11 @@ impl Run<'_> {
             velocity,
             force: design.y.clone(),
             before: baseline.fit.heldout_prediction.clone(),
-            after: found.fit.heldout_prediction.clone(),
+            after: last.fit.heldout_prediction.clone(),
             curves,
         };
-        let validation = named.frozen(&found, options).judge(judges, geometry);
-        let left_out = self.left_out(judges, &found, &search);
+        let validation = named.frozen(&last, options).judge(judges, geometry);
+        let left_out = self.left_out(judges, &last, &search);
         if verdict != Verdict::Mismatch {
             location.clear();
         }
@@ -328,7 +343,7 @@ impl Run<'_> {
             schema: SCHEMA,
             verdict,
             summary: String::new(),
-            recording_faults: self.faults(&found),
+            recording_faults: self.faults(&last),
             preparation: self.intake.reports.clone(),
             noise_floor: NoiseFloor { rms: floor.rms, unit: unit.to_string(), how: floor.how.into() },
             baseline: Baseline {
@@ -343,10 +358,10 @@ impl Run<'_> {
             blind_to: blind,
             rejected,
             after: After {
-                rms_heldout: explained_by_unnamed.unwrap_or(to_rms(after)).min(to_rms(before)),
+                rms_heldout: to_rms(after).min(to_rms(before)),
                 free_run_error: run.map(|r| r.0),
                 explained_share: if verdict == Verdict::Mismatch { explained_share } else { 0.0 },
-                parameters: self.parameters(&found.fit),
+                parameters: self.parameters(&last.fit),
             },
             remainder: Remainder {
                 rms: to_rms(excess(after)),
@@ -358,11 +373,11 @@ impl Run<'_> {
             },
             detectable: bound,
             cutoff_hz: cutoff,
-            nuisances: self.nuisances(&found),
+            nuisances: self.nuisances(&last),
             validation,
             experiments,
             next_experiment,
-            model: Some(self.model(&found)),
+            model: Some(self.model(&last)),
             missing,
             figures,
         };
@@ -421,7 +436,15 @@ impl Run<'_> {
             .collect()
     }
 
-    fn missing(&self, found: &Hypothesis, joint: &Joint, i: usize, p: f64, rivals: &[Rival]) -> Missing {
+    fn missing(
+        &self,
+        found: &Hypothesis,
+        last: &Hypothesis,
+        joint: &Joint,
+        i: usize,
+        p: f64,
+        rivals: &[Rival],
+    ) -> Missing {
         let design = self.design();
         let atom = &found.atoms[i];
         let mut others = found.atoms.clone();
@@ -443,13 +466,14 @@ impl Run<'_> {
             effect: atom.term.kind.id().into(),
             says: atom.term.kind.about().says.into(),
             equation: atom.term.kind.about().equation.into(),
-            parameters: self.effect_parameters(joint, found, i),
+            parameters: self.effect_parameters(joint, last, i),
             rms_heldout_before: before,
             rms_heldout_after: (found.fit.heldout_sum() / rows).sqrt(),
             gain_ci95: interval,
             p,
             indistinguishable_from: rivals.iter().map(|r| r.about.id.to_string()).collect(),
             experiment: String::new(),
+            free_form: None,
         }
     }
 
@@ -490,6 +514,7 @@ impl Run<'_> {
             if self.design().delay { found.fit.coefficients[self.design().present.len()] } else { 0.0 };
         let late = |t: &Track| central_difference(&t.f, t.raw.dt).iter().map(|rate| -delay * rate).collect();
         plant.sensors = self.design().tracks.iter().map(late).collect();
+        plant.free = found.free.iter().map(|t| t.form).collect();
         for (i, atom) in found.atoms.iter().enumerate() {
             let gains = atom.gains(found.coefficients(self.design(), i));
             match atom.term.kind {

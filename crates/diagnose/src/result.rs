@@ -95,6 +95,58 @@ pub struct Missing {
     pub indistinguishable_from: Vec<String>,
     /// The move that would tell them apart.
     pub experiment: String,
+    /// The curve or map of what has no name.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub free_form: Option<FreeFormFinding>,
+}
+
+/// What has no name: a free form over one coordinate or two.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FreeFormFinding {
+    /// What it depends on.
+    pub coordinates: Vec<String>,
+    /// Their units.
+    pub units: Vec<String>,
+    /// Its values.
+    pub curve: FreeCurve,
+    /// A formula within its band.
+    pub looks_like: Option<LooksLike>,
+    /// Effects that were named and add nothing beside it.
+    pub kin: Vec<String>,
+}
+
+/// A formula that a curve looks like. A hint: others may lie within the band, too.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LooksLike {
+    /// In the coordinate's name; times `gain`.
+    pub formula: String,
+    /// Its parameters; `gain` multiplies it.
+    pub parameters: BTreeMap<String, Quantity>,
+    /// The next best formula.
+    pub runner_up: Option<String>,
+    /// What in a machine usually makes such a curve.
+    pub made_by: String,
+}
+
+/// A curve over one coordinate, or a map over two.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FreeCurve {
+    /// What multiplies it: `one`, `direction` or `velocity`.
+    pub times: String,
+    /// Time constant with which what was slid fades, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory_s: Option<f64>,
+    /// Knots on the first coordinate.
+    pub knots: Vec<f64>,
+    /// Knots on the second; empty for a curve.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub knots_across: Vec<f64>,
+    /// Values at the knots; of a map for each of `knots` at all of `knots_across`.
+    pub values: Vec<f64>,
+    /// Half-width of the 95 % interval of each value.
+    pub band: Vec<f64>,
+    /// Unit of the values.
+    pub unit: String,
 }
 
 /// An effect that was named and does not predict what it was not fitted on.

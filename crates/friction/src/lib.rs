@@ -7,6 +7,7 @@
 //! * Laws with presliding: [`Bristle`], [`Dahl`], [`HaywardArmstrong`], [`LuGre`], [`ElastoPlastic`], [`MaxwellSlip`],
 //!   [`Armstrong`].
 //! * Physics that a complete law leaves out, and what sensors and drives make of a record: [`effects`].
+//! * Physics without a name: [`FreeForm`].
 //! * Units: [`Dimension`], [`Geometry`], [`parameters`].
 #![no_std]
 #![forbid(unsafe_code)]
@@ -29,6 +30,7 @@ mod dual;
 pub mod effects;
 mod elasto_plastic;
 mod exponential;
+mod free_form;
 mod generalised_maxwell_slip;
 mod hayward_armstrong;
 mod karnopp;
@@ -50,6 +52,7 @@ pub use dahl::{Dahl, DahlState};
 pub use decay::mean_decay;
 pub use dimension::{Dimension, Geometry, Unit};
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
+pub use free_form::{Coordinate, Factor, FreeForm, FreeFormState, Knots, MAX_KNOTS, MAX_VALUES};
 pub use generalised_maxwell_slip::{MaxwellSlip, MaxwellSlipState};
 pub use hayward_armstrong::{Adhesion, HaywardArmstrong, HaywardArmstrongState};
 pub use karnopp::Karnopp;

@@ -60,6 +60,12 @@ impl Settings {
         }
     }
 
+    /// The reference of the forced-choice experiment [thesis, table 5-3]: its Δv of 1 mm/s is below its limit cycle.
+    #[must_use]
+    pub const fn forced_choice() -> Self {
+        Self { k_vc: 25_000.0, b_vc: 10.0, ..Self::karnopp([2.0, 2.0, 2.0, 2.0, 20.0, 20.0], 1e-3, 0.5) }
+    }
+
     /// Viscous, 35 N·s/m and 0.5 kg, no dry friction [thesis, table 5-2].
     #[must_use]
     pub const fn viscous() -> Self {

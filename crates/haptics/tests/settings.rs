@@ -29,19 +29,7 @@ fn every_preset_validates_without_a_warning() {
 
 #[test]
 fn table_5_3_is_accepted_with_a_warning() {
-    let settings = Settings {
-        f_static_p: 2.0,
-        f_static_n: 2.0,
-        f_dynamic_p: 2.0,
-        f_dynamic_n: 2.0,
-        damping_p: 20.0,
-        damping_n: 20.0,
-        dv: 1e-3,
-        mass: 0.5,
-        k_vc: 25_000.0,
-        b_vc: 10.0,
-        ..Settings::brass()
-    };
+    let settings = Settings::forced_choice();
     let warning = settings.validate(&Device::default()).expect("safe").expect("unfaithful");
     println!("ok warn: {warning}");
     assert_eq!(warning.parameter, "dv");

@@ -12,6 +12,7 @@ mod identification;
 mod karnopp;
 mod linear;
 mod model;
+mod model_curves;
 mod model_read;
 mod model_toml;
 mod model_words;

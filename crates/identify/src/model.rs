@@ -4,9 +4,9 @@
 //! [`Model::to_toml`]).
 
 use crate::Identification;
-use friction::effects::{About, Effect, EffectKind, Scale, SeriesEffect};
+use friction::effects::{About, Effect, EffectKind, SeriesEffect};
 use friction::parameters::OFFSET;
-use friction::{Coulomb, Dahl, Dimension, FrictionLaw, Invalid, Karnopp, Law, in_range};
+use friction::{Coulomb, Dahl, Dimension, FreeForm, FrictionLaw, Invalid, Karnopp, Law, in_range};
 use signals::Geometry;
 use std::collections::BTreeMap;
 
@@ -45,6 +45,8 @@ pub struct Model {
     pub law: Law<f64>,
     /// Effects beside the law, each at most once.
     pub effects: Vec<Effect<f64>>,
+    /// Physics without a name: curves and maps over coordinates of the motion.
+    pub curves: Vec<FreeForm<f64>>,
     /// What the sensors add.
     pub nuisances: Nuisances,
     /// How the device should couple it to the handle.
@@ -73,6 +75,7 @@ impl Default for Model {
                 viscous_n: zero,
             }),
             effects: Vec::new(),
+            curves: Vec::new(),
             nuisances: Nuisances::default(),
             coupling: Coupling::default(),
             cutoff_hz: None,
@@ -90,6 +93,7 @@ impl Model {
         in_range("mass", self.mass, 0.0, 1e6)?;
         self.law.validate()?;
         self.effects.iter().try_for_each(Effect::validate)?;
+        self.curves.iter().try_for_each(FreeForm::validate)?;
         in_range(OFFSET.name, self.nuisances.offset, -1e6, 1e6)?;
         in_range("delay_s", self.nuisances.delay_s, -1.0, 1.0)?;
         self.nuisances.sensors.iter().try_for_each(SeriesEffect::validate)?;
@@ -118,10 +122,9 @@ impl Model {
 
     /// Takes out what has a phase along the stroke, which holds only while the zero of the position does; returns the ids.
     pub fn without_phases(&mut self) -> Vec<&'static str> {
-        let repeats = |about: &About| about.shape.iter().any(|p| p.scale == Scale::Wavelength);
         let mut out = Vec::new();
         let mut stays = |about: &'static About| {
-            let stays = !repeats(about);
+            let stays = about.wavelength().is_none();
             if !stays {
                 out.push(about.id);
             }

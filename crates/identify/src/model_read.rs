@@ -1,6 +1,7 @@
 //! Reader of `model.toml`. Each error names a line and a column.
 
 use crate::model::Model;
+use crate::model_curves;
 use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file, sensor_words};
 use friction::effects::{Effect, EffectKind, SeriesEffect, SeriesKind};
 use friction::parameters::OFFSET;
@@ -72,15 +73,21 @@ pub(crate) fn read(text: &str) -> Result<Model, Complaint> {
     };
     let mut flat = Vec::new();
     let table = table.into_inner();
-    let sectioned = ["preset", "model", "std"].iter().any(|s| table.contains_key(*s));
+    let sectioned = ["preset", "model", "std", "curve"].iter().any(|s| table.contains_key(*s));
     for (key, value) in &table {
         let at = key.span().start;
         let (section, name) =
             if sectioned { (key.get_ref().as_ref(), "") } else { ("preset", key.get_ref().as_ref()) };
+        if section == "curve" {
+            reader.model.curves =
+                model_curves::read(at, value.get_ref()).map_err(|(at, why)| reader.error(at, why))?;
+            continue;
+        }
         if !matches!(section, "preset" | "model" | "std") {
-            return Err(
-                reader.error(at, format!("section `{section}`: accepted are [preset], [model], [std]"))
-            );
+            return Err(reader.error(
+                at,
+                format!("section `{section}`: accepted are [preset], [model], [std], [[curve]]"),
+            ));
         }
         reader.flatten(section, name, at, value.get_ref(), &mut flat)?;
     }

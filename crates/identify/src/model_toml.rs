@@ -20,14 +20,16 @@
 //!
 //! [std]                    # standard deviations, by the names of [preset]
 //! mass = 0.0045
+//!
+//! [[curve]]                # free forms: physics without a name
 //! ```
 //!
 //! A file without sections is read as `[preset]`. `f_static`, `f_dynamic` and `damping` stand for both directions.
 
 use crate::identification::unit_of;
 use crate::model::{Coupling, Model};
-use crate::model_read;
 use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file};
+use crate::{model_curves, model_read};
 use friction::effects::EffectKind;
 use friction::parameters::OFFSET;
 use friction::{Dimension, Law};
@@ -149,12 +151,13 @@ impl Model {
                 let _ = writeln!(text, "{} = {}", quoted(name), decimal(*value));
             }
         }
+        text.push_str(&model_curves::write(&self.curves));
         text
     }
 }
 
 /// Shortest decimal that reads back as the same number; TOML wants a point or an exponent in a float.
-fn decimal(value: f64) -> String {
+pub(crate) fn decimal(value: f64) -> String {
     let text = format!("{value:?}");
     if text.contains(['.', 'e', 'n']) { text } else { format!("{text}.0") }
 }

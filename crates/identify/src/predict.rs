@@ -4,7 +4,7 @@
 use crate::model::Model;
 use crate::{Preprocess, Signals, prepare};
 use friction::effects::{EffectState, Record, delayed};
-use friction::{DahlState, FrictionLaw, Karnopp, Law, LawState, Motion, Scalar};
+use friction::{DahlState, FreeFormState, FrictionLaw, Karnopp, Law, LawState, Motion, Scalar};
 use signals::{Error, Recording};
 use std::borrow::Cow;
 
@@ -89,6 +89,7 @@ impl Model {
     pub(crate) fn force(&self, motion: &Kinematics<'_>) -> Vec<f64> {
         let mut law = self.start(motion);
         let mut effects = vec![EffectState::<f64>::default(); self.effects.len()];
+        let mut forms = vec![FreeFormState::<f64>::default(); self.curves.len()];
         let mut before = motion.position.first().copied().unwrap_or(0.0);
         let mut out = Vec::with_capacity(motion.position.len());
         for i in 0..motion.position.len() {
@@ -107,7 +108,8 @@ impl Model {
             step.applied = carried;
             let added: f64 =
                 self.effects.iter().zip(&mut effects).map(|(e, state)| e.step(state, &step)).sum();
-            out.push(carried + added);
+            let free: f64 = self.curves.iter().zip(&mut forms).map(|(c, state)| c.step(state, &step)).sum();
+            out.push(carried + added + free);
         }
         self.sensed(out, motion)
     }

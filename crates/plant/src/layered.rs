@@ -1,10 +1,12 @@
 //! A complete law plus effects: the block of a rig in which an effect is concealed.
 
 use friction::effects::{Effect, EffectState};
-use friction::{FrictionLaw, Invalid, Motion};
+use friction::{FreeForm, FreeFormState, FrictionLaw, Invalid, Motion};
 
 /// Largest number of effects on one block.
 pub const MAX_EFFECTS: usize = 4;
+/// Largest number of free forms on one block.
+pub const MAX_CURVES: usize = 3;
 
 /// A base law plus up to [`MAX_EFFECTS`] effects of the catalogue. The sum is a law itself.
 ///
@@ -19,6 +21,7 @@ pub struct Layered<L> {
     /// force. With `None` they see the force on the whole moving mass.
     pub block_mass: Option<f64>,
     effects: [Option<Effect<f64>>; MAX_EFFECTS],
+    curves: [Option<FreeForm<f64>>; MAX_CURVES],
 }
 
 /// State of a [`Layered`] law.
@@ -26,6 +29,7 @@ pub struct Layered<L> {
 pub struct LayeredState<S> {
     base: S,
     effects: [EffectState<f64>; MAX_EFFECTS],
+    curves: [FreeFormState<f64>; MAX_CURVES],
     /// Friction of the previous step, N.
     force: f64,
 }
@@ -33,7 +37,7 @@ pub struct LayeredState<S> {
 impl<L> Layered<L> {
     /// A law without effects.
     pub const fn new(base: L) -> Self {
-        Self { base, block_mass: None, effects: [None; MAX_EFFECTS] }
+        Self { base, block_mass: None, effects: [None; MAX_EFFECTS], curves: [None; MAX_CURVES] }
     }
 
     /// A law with `effects`.
@@ -60,6 +64,21 @@ impl<L> Layered<L> {
             max: MAX_EFFECTS as f64,
         })?;
         *free = Some(effect);
+        Ok(())
+    }
+
+    /// Adds physics without a name.
+    ///
+    /// # Errors
+    /// There are already [`MAX_CURVES`] curves.
+    pub fn add_curve(&mut self, curve: FreeForm<f64>) -> Result<(), Invalid> {
+        let free = self.curves.iter_mut().find(|slot| slot.is_none()).ok_or(Invalid {
+            parameter: "curves",
+            value: (MAX_CURVES + 1) as f64,
+            min: 0.0,
+            max: MAX_CURVES as f64,
+        })?;
+        *free = Some(curve);
         Ok(())
     }
 
@@ -95,6 +114,10 @@ impl<L: FrictionLaw<f64>> FrictionLaw<f64> for Layered<L> {
                 on_top += effect.step(memory, &seen);
             }
         }
+        for (curve, memory) in self.curves.iter().zip(&mut state.curves) {
+            let Some(curve) = curve else { break };
+            on_top += curve.step(memory, motion);
+        }
         let left = Motion { applied: motion.applied - on_top, ..*motion };
         state.force = on_top + self.base.step(&mut state.base, &left);
         state.force
@@ -102,6 +125,7 @@ impl<L: FrictionLaw<f64>> FrictionLaw<f64> for Layered<L> {
 
     fn validate(&self) -> Result<(), Invalid> {
         self.base.validate()?;
-        self.effects().try_for_each(Effect::validate)
+        self.effects().try_for_each(Effect::validate)?;
+        self.curves.iter().flatten().try_for_each(FreeForm::validate)
     }
 }

@@ -29,7 +29,7 @@ mod zoh;
 pub use calibration::{Calibration, Channel};
 pub use config::{Coupling, RigConfig, Sensor};
 pub use hand::{Hand, HandForce, HandImpedance, NoHand, Target};
-pub use layered::{Layered, LayeredState, MAX_EFFECTS};
+pub use layered::{Layered, LayeredState, MAX_CURVES, MAX_EFFECTS};
 pub use rig::Rig;
 pub use thesis::{Excitation, MeasurementNoise, Series, ThesisExperiment, thesis_recording};
 pub use truth::{Sensors, Truth};

@@ -105,11 +105,17 @@ impl Chart {
     }
 
     /// A shaded band ±`half_width` about zero.
-    pub(crate) fn band(mut self, label: &str, half_width: Vec<f64>) -> Self {
-        if half_width.len() == self.x.len() && half_width.iter().any(|v| v.is_finite()) {
-            let lower = half_width.iter().map(|v| -v).collect();
+    pub(crate) fn band(self, label: &str, half_width: Vec<f64>) -> Self {
+        let lower = half_width.iter().map(|v| -v).collect();
+        self.band_between(label, half_width, lower)
+    }
+
+    /// A shaded band between two edges.
+    pub(crate) fn band_between(mut self, label: &str, upper: Vec<f64>, lower: Vec<f64>) -> Self {
+        let drawn = |edge: &[f64]| edge.len() == self.x.len() && edge.iter().any(|v| v.is_finite());
+        if drawn(&upper) && drawn(&lower) {
             let first = self.series.len() + 1;
-            self = self.series("", Ink::Band, Stroke::Edge, half_width);
+            self = self.series("", Ink::Band, Stroke::Edge, upper);
             self = self.series("", Ink::Band, Stroke::Edge, lower);
             self.bands.push([first, first + 1]);
             self.band_label = Some(label.into());

@@ -5,7 +5,10 @@ use crate::escape::escape;
 use crate::fragments::{experiment, faults, parameters};
 use crate::number::{html as number, html_with_std as with_std, p_value, percent};
 use crate::page::{Page, words};
-use diagnose::{Bin, CarriesNot, Curve, Diagnosis, ForceError, Location, Missing, PerRecording, Verdict};
+use diagnose::{
+    Bin, CarriesNot, Curve, Diagnosis, ForceError, FreeFormFinding, Location, LooksLike, Missing,
+    PerRecording, Verdict,
+};
 use std::fmt::Write;
 
 /// The report of `diagnosis` of the recording called `name`, as one HTML document.
@@ -217,7 +220,61 @@ fn findings(page: &mut Page, d: &Diagnosis) {
     page.heading("What was left out");
     for m in &d.missing {
         page.html(finding(m, &d.noise_floor.unit));
+        if let Some(form) = &m.free_form {
+            page.chart(&free_form(form));
+            if let Some(hint) = &form.looks_like {
+                page.html(looks_like(hint));
+            }
+        }
     }
+}
+
+/// What the curve looks like, marked as a hint.
+fn looks_like(hint: &LooksLike) -> String {
+    let also = hint
+        .runner_up
+        .as_ref()
+        .map_or_else(String::new, |r| format!(" Next best: <code>{}</code>.", escape(r)));
+    format!(
+        "<p><b>A hint:</b> it looks like <code>gain*{}</code>. In a machine such a curve is usually made by {}.{also}</p>{}",
+        escape(&hint.formula),
+        escape(&hint.made_by),
+        parameters(&hint.parameters)
+    )
+}
+
+/// The curve of what has no name with its 95 % interval; of a map a curve at the middle and at either end.
+fn free_form(form: &FreeFormFinding) -> Chart {
+    let c = &form.curve;
+    let axis = |i: usize| {
+        let name = form.coordinates.get(i).map_or_else(String::new, |n| n.replace('_', " "));
+        match form.units.get(i).filter(|u| !u.is_empty()) {
+            Some(unit) => format!("{name}, {unit}"),
+            None => name,
+        }
+    };
+    let times = match c.times.as_str() {
+        "direction" => " against the motion",
+        "velocity" => " per velocity",
+        _ => "",
+    };
+    let chart = Chart::new(format!("force{times}, {}", c.unit), axis(0), c.knots.clone()).height(260);
+    let across = c.knots_across.len().max(1);
+    let at = |of: &dyn Fn(usize) -> f64, j: usize| (0..c.knots.len()).map(|i| of(i * across + j)).collect();
+    let value = |k: usize| c.values.get(k).copied().unwrap_or(f64::NAN);
+    let band = |k: usize| c.band.get(k).copied().unwrap_or(f64::NAN);
+    if c.knots_across.is_empty() {
+        return chart
+            .band_between("95 % interval", at(&|k| value(k) + band(k), 0), at(&|k| value(k) - band(k), 0))
+            .series("fitted", Ink::After, Stroke::Both, at(&value, 0))
+            .caption("What the simulation lacks there, with its 95 % interval at each knot.");
+    }
+    let name = |j: usize| format!("at {} {}", number(c.knots_across[j], 3), axis(1));
+    chart
+        .series(&name(0), Ink::Before, Stroke::Both, at(&value, 0))
+        .series(&name(across / 2), Ink::Measured, Stroke::Both, at(&value, across / 2))
+        .series(&name(across - 1), Ink::After, Stroke::Both, at(&value, across - 1))
+        .caption("What the simulation lacks there, cut through at three places of the other coordinate.")
 }
 
 /// What was named and withdrawn.

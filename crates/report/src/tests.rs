@@ -82,6 +82,7 @@ fn stribeck(n: usize) -> Diagnosis {
             p: 1e-9,
             indistinguishable_from: vec!["sublinear_viscous".into()],
             experiment: "move triangle 0.01 0.2 20, speeds a decade lower".into(),
+            free_form: None,
         }],
         blind_to: vec![Blind {
             effect: "spring".into(),

@@ -171,5 +171,6 @@ fn entry(
         p: (-0.5 * (surest.0 / surest.1).powi(2)).exp().max(1e-12),
         indistinguishable_from: Vec::new(),
         experiment: comparison.confirmed_by.into(),
+        free_form: None,
     })
 }

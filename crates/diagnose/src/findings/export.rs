@@ -49,6 +49,7 @@ pub fn model(intake: &Intake, design: &DesignMatrix, found: &Hypothesis, cutoff:
             TermKind::Series(kind) => model.nuisances.sensors.push(SeriesEffect { kind, gains, shape }),
         }
     }
+    model.curves = found.free.iter().map(|t| t.form).collect();
     model.law = Law::Karnopp(Karnopp { delta_v: rest_band(&model, intake, design, cutoff), ..law });
     model
 }

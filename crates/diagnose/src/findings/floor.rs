@@ -15,9 +15,8 @@ pub struct Floor {
     pub period: Option<f64>,
 }
 
-/// What the steps of the force channel leave behind the filter. Rounding differs from sample to sample where noise or motion
-/// takes the channel over many steps, and averages out; where a value stands for many samples it does not, and it repeats
-/// with a motion that repeats.
+/// What the steps of the force channel leave behind the filter. Rounding averages out if noise or motion takes the channel
+/// over many steps from sample to sample. If one value stands for many samples, it does not, and repeats with the motion.
 fn rounding(design: &DesignMatrix) -> f64 {
     let (mut square, mut weight) = (0.0, 0.0);
     for track in &design.tracks {

@@ -7,8 +7,8 @@
 
 use crate::library::design_matrix::DesignMatrix;
 use crate::preparation::track::Track;
-use friction::Motion;
 use friction::effects::{EffectKind, MAX_GAINS, MAX_MEMORY, MAX_SHAPE};
+use friction::{FreeForm, FreeFormState, Motion};
 
 /// The mechanical model to run.
 #[derive(Debug, Clone, Default)]
@@ -21,6 +21,8 @@ pub struct Plant {
     pub viscous: [f64; 2],
     /// Force effects with gains and shape.
     pub effects: Vec<(EffectKind, [f64; MAX_GAINS], [f64; MAX_SHAPE])>,
+    /// Physics without a name.
+    pub free: Vec<FreeForm<f64>>,
     /// Per track: what sensor effects add to the recorded force, at every sample.
     pub sensors: Vec<Vec<f64>>,
 }
@@ -52,12 +54,15 @@ fn run_track(track: &Track, plant: &Plant, sensor: Option<&Vec<f64>>, horizon: u
     let dt = track.raw.dt;
     let mut measured = vec![[0.0; MAX_MEMORY]; plant.effects.len()];
     let mut memory = measured.clone();
+    let mut free_measured = vec![FreeFormState::default(); plant.free.len()];
+    let mut free = free_measured.clone();
     let (mut x, mut v) = (0.0, 0.0);
     let mut out = Vec::with_capacity(track.len());
     for i in 0..track.len() {
         if i % horizon == 0 {
             (x, v) = (track.x[i], track.v[i]);
             memory.clone_from(&measured);
+            free.clone_from(&free_measured);
         }
         out.push(x);
         let force = track.f[i] - sensor.map_or(0.0, |s| s[i]);
@@ -76,9 +81,15 @@ fn run_track(track: &Track, plant: &Plant, sensor: Option<&Vec<f64>>, horizon: u
             let unit = kind.unit(shape, memory, &motion(x, v * dt, v));
             extra += unit.iter().zip(gains).map(|(u, g)| u * g).sum::<f64>();
         }
+        let moved = motion(x, v * dt, v);
+        extra += plant.free.iter().zip(&mut free).map(|(f, state)| f.step(state, &moved)).sum::<f64>();
+        let step = if i > 0 { track.x[i] - track.x[i - 1] } else { 0.0 };
+        let seen = motion(track.x[i], step, track.v[i]);
         for ((kind, _, shape), memory) in plant.effects.iter().zip(&mut measured) {
-            let step = if i > 0 { track.x[i] - track.x[i - 1] } else { 0.0 };
-            kind.unit(shape, memory, &motion(track.x[i], step, track.v[i]));
+            kind.unit(shape, memory, &seen);
+        }
+        for (form, state) in plant.free.iter().zip(&mut free_measured) {
+            form.step(state, &seen);
         }
         let way = usize::from(v < 0.0 || v == 0.0 && force < 0.0);
         let free = v + dt * (force - plant.viscous[way] * v - extra) / plant.mass;

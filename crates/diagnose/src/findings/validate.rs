@@ -1,5 +1,5 @@
-//! Recordings that were not fitted: structure and parameters frozen, and beside it the figure with declared nuisances
-//! fitted again.
+//! Recordings that were not fitted: the error with structure and parameters frozen, and the error with the declared
+//! nuisances fitted again.
 
 use crate::findings::nuisance::{MIN_CHI_SQUARE, nearest};
 use crate::library::applied_force::AppliedForce;
@@ -135,6 +135,9 @@ impl Frozen<'_> {
         let last = self.design.baseline.len();
         for (column, c) in followed.iter().zip(&coefficients[last - followed.len()..last]) {
             take(column, *c);
+        }
+        for term in &hypothesis.free {
+            take(&term.contribution(design), 1.0);
         }
         for (i, atom) in hypothesis.atoms.iter().enumerate() {
             if !phases && atom.term.kind.is_periodic() {

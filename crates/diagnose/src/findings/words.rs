@@ -1,4 +1,4 @@
-//! The answer as one sentence for a person.
+//! The answer in one sentence.
 
 use crate::findings::channel::told_by_channels;
 use crate::result::{Diagnosis, Missing, Verdict};

@@ -1,9 +1,8 @@
-//! The force that acts on the body, as far as it is known: what stands for "the applied force" inside a regressor, because
-//! the measured force's own noise there would correlate with itself.
+//! The force that acts on the body, modelled. Regressors use it as "the applied force", because noise of the measured
+//! force would be on both sides of the regression.
 //!
-//! At first that is the baseline. What moves, distorts or follows the force is then found with a force from which it
-//! still bends the mass and the friction, so that its size is wrong by the square of what it does; once the rest is
-//! known the force is taken from all of it.
+//! The first model is the baseline. An effect that delays, distorts or follows the force biases the mass and friction of
+//! that baseline, and its own size has an error of second order. Once the other effects are known, the model has them all.
 
 use crate::library::baseline::Physics;
 use friction::effects::{EffectKind, MAX_GAINS, MAX_SHAPE};

@@ -119,13 +119,29 @@ impl DesignMatrix {
         out
     }
 
-    /// Force per unit of each of `L` gains at every sample of every track; memory runs through the gaps of a recording.
+    /// Force per unit of each of `L` gains at every sample of every track.
     pub(crate) fn units<const L: usize>(
         &self,
         kind: EffectKind,
         shape: &[f64; MAX_SHAPE],
     ) -> Vec<Vec<[f64; L]>> {
-        let mut memory = [0.0; MAX_MEMORY];
+        self.walk(
+            || [0.0; MAX_MEMORY],
+            |memory, motion| {
+                let unit = kind.unit(shape, memory, motion);
+                std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
+            },
+        )
+    }
+
+    /// What `step` makes of the motion at every sample of every track. The memory, `fresh` for each recording, runs through
+    /// the gaps of a recording.
+    pub(crate) fn walk<M, T>(
+        &self,
+        fresh: impl Fn() -> M,
+        mut step: impl FnMut(&mut M, &Motion<f64>) -> T,
+    ) -> Vec<Vec<T>> {
+        let mut memory = fresh();
         let mut previous: Option<&Track> = None;
         let mut out = Vec::with_capacity(self.tracks.len());
         for track in &self.tracks {
@@ -136,16 +152,12 @@ impl DesignMatrix {
                     if gap > 0.0 {
                         let motion =
                             Motion { dt: gap, displacement: jump, velocity: jump / gap, ..motion(track, 0) };
-                        kind.unit(shape, &mut memory, &motion);
+                        step(&mut memory, &motion);
                     }
                 }
-                _ => memory = [0.0; MAX_MEMORY],
+                _ => memory = fresh(),
             }
-            let sample = |i: usize| {
-                let unit = kind.unit(shape, &mut memory, &motion(track, i));
-                std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
-            };
-            out.push((0..track.len()).map(sample).collect());
+            out.push((0..track.len()).map(|i| step(&mut memory, &motion(track, i))).collect());
             previous = Some(track);
         }
         out

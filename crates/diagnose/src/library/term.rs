@@ -1,7 +1,7 @@
 //! A hypothesis about what was left out: an effect of the catalogue with a shape, as columns of the regression.
 
 use friction::effects::{
-    About, Acts, EffectKind, GainGroups, MAX_GAINS, MAX_SHAPE, Parameter, Quantity, Scale, SeriesKind,
+    About, Acts, EffectKind, GainGroups, MAX_GAINS, MAX_SHAPE, Parameter, Quantity, SeriesKind,
 };
 
 /// What a term is a hypothesis about.
@@ -50,7 +50,7 @@ impl TermKind {
 
     /// Whether it repeats along the stroke: its phase holds as long as the zero of the position does.
     pub fn is_periodic(&self) -> bool {
-        self.shape().iter().any(|p| p.scale == Scale::Wavelength)
+        self.about().wavelength().is_some()
     }
 
     /// Whether it moves the whole force in time.

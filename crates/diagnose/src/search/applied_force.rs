@@ -1,4 +1,4 @@
-//! The force that acts, once more of the physics is known.
+//! The applied force, modelled again when effects are known.
 
 use crate::library::applied_force::AppliedForce;
 use crate::library::design_matrix::DesignMatrix;

@@ -4,7 +4,7 @@ use crate::library::design_matrix::{DesignMatrix, gather};
 use crate::library::scales::Scales;
 use crate::library::term::{Term, TermKind};
 use crate::search::hypothesis::Atom;
-use friction::effects::{Acts, MAX_SHAPE, Scale};
+use friction::effects::{Acts, MAX_SHAPE};
 use rayon::prelude::*;
 use signals::{Basis, dot};
 
@@ -39,7 +39,7 @@ impl Catalogue {
         for kind in TermKind::all() {
             if !exclude.contains(&kind.id()) {
                 terms.extend(scales.grid(kind).into_iter().map(|shape| (kind, shape)));
-                if kind.shape().first().is_some_and(|p| p.scale == Scale::Wavelength) {
+                if kind.is_periodic() {
                     terms.extend(lines.iter().map(|line| (kind, [*line, 0.0])));
                 }
             }

@@ -7,6 +7,7 @@ use crate::preparation::track::Track;
 use crate::regression::linear::{FOLDS, Fit, fit};
 use crate::regression::sign_flips::gain_interval;
 use signals::{Basis, Recording, dot, quantile};
+use std::collections::BTreeMap;
 
 /// Knots of a curve, at even quantiles.
 const KNOTS: usize = 6;
@@ -57,7 +58,7 @@ pub fn of(recordings: &[Recording]) -> Vec<ExtraColumn> {
         .into_keys()
         .filter(|name| all.iter().all(|r| r.contains_key(name)))
         .map(|name| {
-            let of = |(r, columns): (&Recording, &std::collections::BTreeMap<String, Vec<f64>>)| {
+            let of = |(r, columns): (&Recording, &BTreeMap<String, Vec<f64>>)| {
                 let pairs = r.time.iter().zip(&columns[&name]).map(|(t, x)| (*t, *x));
                 let mut pairs: Vec<(f64, f64)> =
                     pairs.filter(|(t, x)| t.is_finite() && x.is_finite()).collect();

@@ -1,5 +1,6 @@
 //! The baseline with some effects beside it, fitted jointly.
 
+use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::{Term, TermKind};
 use crate::regression::linear::{FOLDS, Fit, fit};
@@ -72,6 +73,8 @@ impl Atom {
 pub struct Hypothesis {
     /// What was added.
     pub atoms: Vec<Atom>,
+    /// Physics without a name, beside it.
+    pub free: Vec<FreeTerm>,
     /// The joint fit.
     pub fit: Fit,
 }
@@ -86,7 +89,20 @@ impl Hypothesis {
     /// Fits the baseline and `atoms` jointly.
     pub fn new(design: &DesignMatrix, atoms: Vec<Atom>) -> Option<Self> {
         let fit = fit(&Self::columns(design, &atoms), &design.y, &design.blocks, FOLDS)?;
-        Some(Self { atoms, fit })
+        Some(Self { atoms, free: Vec::new(), fit })
+    }
+
+    /// All columns of this hypothesis: baseline, atoms, free forms.
+    pub fn all_columns<'a>(&'a self, design: &'a DesignMatrix) -> Vec<&'a [f64]> {
+        let free = self.free.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice);
+        Self::columns(design, &self.atoms).into_iter().chain(free).collect()
+    }
+
+    /// The same without forms of the time since the start, which no half of a recording tells of the other.
+    pub fn lasting_columns<'a>(&'a self, design: &'a DesignMatrix) -> Vec<&'a [f64]> {
+        let lasting = self.free.iter().filter(|t| !t.is_of_time());
+        let free = lasting.flat_map(|t| t.columns.iter()).map(Vec::as_slice);
+        Self::columns(design, &self.atoms).into_iter().chain(free).collect()
     }
 
     /// First coefficient of atom `i`.

@@ -3,6 +3,7 @@
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
 use crate::library::term::Term;
+use crate::regression::linear::Fit;
 use crate::regression::sign_flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::search::catalogue::Catalogue;
 use crate::search::hypothesis::{Atom, Hypothesis};
@@ -111,9 +112,14 @@ impl Search<'_> {
 
     /// 95 % interval of the held-out gain from `parent` to `child`.
     pub fn interval(&self, parent: &Hypothesis, child: &Hypothesis) -> [f64; 2] {
+        self.gains(&parent.fit, &child.fit)
+    }
+
+    /// 95 % interval of the held-out gain from one fit to another.
+    pub fn gains(&self, parent: &Fit, child: &Fit) -> [f64; 2] {
         gain_interval(
-            &parent.fit.heldout,
-            &child.fit.heldout,
+            &parent.heldout,
+            &child.heldout,
             &self.design.block_weight(),
             &self.design.blocks.recordings,
             1000,

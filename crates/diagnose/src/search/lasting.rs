@@ -60,6 +60,7 @@ const MOST_PERIODS: usize = 12;
 pub fn regimes(design: &DesignMatrix, names: &[String]) -> Vec<Regime> {
     let used = |r: usize| design.share[r] > 0.5;
     let rows = design.share.len();
+    let all = (0..rows).filter(|r| used(*r)).count();
     let time = row_times(design);
     let mut recording = Vec::with_capacity(rows);
     for t in &design.tracks {
@@ -67,23 +68,18 @@ pub fn regimes(design: &DesignMatrix, names: &[String]) -> Vec<Regime> {
     }
     let mut out = Vec::new();
     let mut add = |name: String, of: &dyn Fn(usize) -> bool| {
-        let rows: Vec<bool> = (0..rows).map(|r| used(r) && of(r)).collect();
-        let inside = rows.iter().filter(|x| **x).count();
-        let outside = (0..rows.len()).filter(|r| used(*r) && !rows[*r]).count();
-        if inside >= FEWEST && outside >= FEWEST {
-            out.push(Regime { name, rows });
+        let regime = Regime { name, rows: (0..rows).map(|r| used(r) && of(r)).collect() };
+        let inside = regime.count();
+        if inside >= FEWEST && all - inside >= FEWEST {
+            out.push(regime);
         }
     };
     for (index, name) in names.iter().enumerate().filter(|_| names.len() > 1) {
         add(name.clone(), &|r| recording[r] == index);
     }
-    let median = |values: &[f64]| {
-        let used: Vec<f64> =
-            values.iter().enumerate().filter(|(r, v)| used(*r) && v.is_finite()).map(|(_, v)| *v).collect();
-        quantile(&used, 0.5)
-    };
     if names.len() == 1 {
-        let middle = median(&time);
+        let times: Vec<f64> = (0..rows).filter(|r| used(*r)).map(|r| time[r]).collect();
+        let middle = quantile(&times, 0.5);
         add("the first half of the recording".into(), &|r| time[r] <= middle);
         add("the second half of the recording".into(), &|r| time[r] > middle);
     }
@@ -93,8 +89,7 @@ pub fn regimes(design: &DesignMatrix, names: &[String]) -> Vec<Regime> {
 /// The wavelengths of a line on the stroke, each a regime: a line comes again in every one of them.
 fn periods(search: &Search, found: &Hypothesis, i: usize) -> Vec<Regime> {
     let term = &found.atoms[i].term;
-    let wave = term.kind.shape().iter().position(|p| p.scale == Scale::Wavelength);
-    let Some(wave) = wave.map(|axis| term.shape[axis]) else { return Vec::new() };
+    let Some(wave) = term.kind.about().wavelength().map(|axis| term.shape[axis]) else { return Vec::new() };
     let (low, high) = search.scales.stroke;
     let count = ((high - low) / wave).floor() as usize;
     let (position, _) = row_motion(search.design);
@@ -175,6 +170,22 @@ impl Search<'_> {
     }
 }
 
+/// Squared error of each regime that can judge, without some columns and with them, their coefficients fitted on the
+/// rest. `others` is the span of everything else.
+pub fn left_out_errors<'r>(
+    design: &DesignMatrix,
+    others: &Basis,
+    columns: &[Vec<f64>],
+    noise: f64,
+    regimes: &'r [Regime],
+) -> Vec<(&'r Regime, (f64, f64))> {
+    let own: Vec<Vec<f64>> = columns.iter().map(|c| others.project_out(c)).collect();
+    let own: Vec<&[f64]> = own.iter().map(Vec::as_slice).collect();
+    let y = others.project_out(&design.y);
+    let Some(all) = solve(&own, &y) else { return Vec::new() };
+    regimes.iter().filter_map(|r| Some((r, judge(design, &own, &y, &all, noise, r)?))).collect()
+}
+
 /// The term that lasts least, none where all do.
 fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usize, Withdrawn)> {
     let bound = (0..found.atoms.len()).find_map(|i| {
@@ -192,11 +203,6 @@ fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usi
         let mut others = found.atoms.clone();
         others.remove(i);
         let basis = Basis::of(&Hypothesis::columns(design, &others));
-        let own = found.atoms[i].outside(&basis);
-        let own: Vec<&[f64]> = own.iter().map(Vec::as_slice).collect();
-        let y = basis.project_out(&design.y);
-        let Some(all) = solve(&own, &y) else { continue };
-        let of = |regime: &Regime| judge(design, &own, &y, &all, noise, regime);
         let mut note = |name: &str, rows: usize, (without, with): (f64, f64)| {
             let ratio = with / without;
             if failed.as_ref().is_none_or(|f| ratio > f.0) {
@@ -208,7 +214,7 @@ fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usi
         };
         // one regime may fail by what is not in the model; all of them together decide
         for parts in [regimes, &periods(search, found, i)] {
-            let judged: Vec<_> = parts.iter().filter_map(|r| Some((r, of(r)?))).collect();
+            let judged = left_out_errors(design, &basis, &found.atoms[i].columns, noise, parts);
             let sum = judged.iter().fold((0.0, 0.0), |s, (_, e)| (s.0 + e.0, s.1 + e.1));
             let worst = judged.iter().max_by(|a, b| (a.1.1 - a.1.0).total_cmp(&(b.1.1 - b.1.0)));
             if let Some((regime, errors)) = worst.filter(|_| sum.1 >= sum.0) {
@@ -269,7 +275,7 @@ fn on_bound(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
 /// `found` does worst against the baseline, all gains fitted on the rest.
 pub fn left_out(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(String, f64, f64)> {
     let design = search.design;
-    let columns = Hypothesis::columns(design, &found.atoms);
+    let columns = found.lasting_columns(design);
     let of = |regime: &Regime| {
         let (rest, inside) = (rows_of(design, regime, false), rows_of(design, regime, true));
         let rms = |columns: &[&[f64]]| {

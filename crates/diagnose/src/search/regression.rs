@@ -17,8 +17,7 @@ pub(crate) struct Regression {
 }
 
 impl Regression {
-    /// The regression on the design matrix of `intake`; with `delay` the time between force and position is a column of the
-    /// baseline. None where mass and friction cannot be told apart.
+    /// The regression on the design matrix of `intake`. None where mass and friction cannot be told apart.
     pub fn new(mut design: DesignMatrix, intake: &Intake, options: &Options) -> Option<Self> {
         let declared = design.declare(&options.per_recording);
         let followed = extra_columns::follow(&mut design, &intake.extra, options.seed);

@@ -5,7 +5,6 @@ use crate::search::catalogue::is_testable;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::{COLLINEAR, Search};
 use crate::search::refine::ROUGH;
-use friction::effects::Scale;
 use rayon::prelude::*;
 use signals::{Basis, dot};
 
@@ -17,7 +16,7 @@ impl Search<'_> {
             let own = best.atoms[i].clone();
             let kind = own.term.kind;
             let mut shapes = vec![own.term.shape];
-            if let Some(wave) = kind.shape().iter().position(|p| p.scale == Scale::Wavelength) {
+            if let Some(wave) = kind.about().wavelength() {
                 let mut half = own.term.shape;
                 half[wave] *= 0.5;
                 shapes.push(half);

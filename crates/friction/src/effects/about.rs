@@ -295,6 +295,12 @@ impl About {
         example: None,
     };
 
+    /// Which shape parameter is the period along the stroke; none where the effect has no phase there.
+    #[must_use]
+    pub fn wavelength(&self) -> Option<usize> {
+        self.shape.iter().position(|p| p.scale == Scale::Wavelength)
+    }
+
     /// Every parameter: gains, then shape.
     pub fn parameters(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
         self.gains.iter().chain(self.shape)

@@ -1,5 +1,6 @@
 //! Dahl's law with σ free: recovered from bad starts, and not invented where the recording does not hold it.
 
+use crate::recorded;
 use friction::{Dahl, FrictionLaw};
 use identify::{DahlOptions, DahlStart, Identification, Preprocess, identify_dahl, prepare};
 use plant::{Excitation, MeasurementNoise, ThesisExperiment};
@@ -20,16 +21,7 @@ fn dahl(p: [f64; 5]) -> Dahl<f64> {
 }
 
 fn recording<L: FrictionLaw<f64>>(mass: f64, law: L, noise: &MeasurementNoise, seed: u64) -> Recording {
-    let r = ThesisExperiment::with(mass, law, &Excitation::THESIS).unwrap().recording_with(noise, seed);
-    Recording {
-        name: "simulated".into(),
-        time: r.time,
-        position: r.position,
-        velocity: Some(r.velocity),
-        acceleration: Some(r.acceleration),
-        force: r.force,
-        ..Recording::default()
-    }
+    recorded(ThesisExperiment::with(mass, law, &Excitation::THESIS).unwrap().recording_with(noise, seed))
 }
 
 fn fit(recording: &Recording, options: &DahlOptions) -> Identification {

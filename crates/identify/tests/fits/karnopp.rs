@@ -1,5 +1,6 @@
 //! Karnopp's law: recovered behind every preprocessing, and what a poor motion does not hold said instead of guessed.
 
+use crate::recorded;
 use identify::{
     Errors, Identification, KarnoppOptions, NotIdentifiable, Preprocess, identify_karnopp, prepare,
 };
@@ -104,15 +105,7 @@ fn sliding_friction_is_recovered_behind_every_preprocessing() {
 #[test]
 fn default_preprocessing_recovers_the_thesis_materials() {
     for material in TABLE_3_3 {
-        let r = ThesisExperiment::on(&material).unwrap().recording(7);
-        let r = Recording {
-            time: r.time,
-            position: r.position,
-            velocity: Some(r.velocity),
-            acceleration: Some(r.acceleration),
-            force: r.force,
-            ..Recording::default()
-        };
+        let r = recorded(ThesisExperiment::on(&material).unwrap().recording(7));
         let found = fit(&r, &Preprocess::default());
         print!("{:9} {} rows", material.name, found.samples);
         for (name, truth) in
@@ -195,15 +188,7 @@ fn options_are_checked() {
 
 #[test]
 fn declared_errors_are_used() {
-    let r = ThesisExperiment::on(&RUBBER).unwrap().recording(1);
-    let r = Recording {
-        time: r.time,
-        position: r.position,
-        velocity: Some(r.velocity),
-        acceleration: Some(r.acceleration),
-        force: r.force,
-        ..Recording::default()
-    };
+    let r = recorded(ThesisExperiment::on(&RUBBER).unwrap().recording(1));
     let signals = prepare(&r, &Preprocess::Thesis).unwrap();
     let mass = |errors| {
         identify_karnopp(&signals, &KarnoppOptions { errors, ..Default::default() })

@@ -7,3 +7,19 @@ mod positioner;
 mod preprocess;
 mod table_3_3;
 mod uneven;
+
+use plant::Series;
+use signals::Recording;
+
+/// A simulated run with every channel that the thesis recorded.
+fn recorded(run: Series) -> Recording {
+    Recording {
+        name: "simulated".into(),
+        time: run.time,
+        position: run.position,
+        velocity: Some(run.velocity),
+        acceleration: Some(run.acceleration),
+        force: run.force,
+        ..Recording::default()
+    }
+}

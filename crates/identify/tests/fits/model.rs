@@ -1,5 +1,6 @@
 //! Models: file and back, errors that point, prediction against closed forms, and a preset the device takes.
 
+use crate::recorded;
 use friction::effects::{Effect, EffectKind, SeriesEffect, SeriesKind};
 use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
 use haptics::{Device, Settings};
@@ -261,17 +262,7 @@ fn an_effect_adds_its_force() {
 #[test]
 fn what_is_identified_predicts_what_was_recorded() {
     let experiment = ThesisExperiment::on(&RUBBER).unwrap();
-    let recording = |seed| {
-        let r = experiment.recording(seed);
-        Recording {
-            time: r.time,
-            position: r.position,
-            velocity: Some(r.velocity),
-            acceleration: Some(r.acceleration),
-            force: r.force,
-            ..Recording::default()
-        }
-    };
+    let recording = |seed| recorded(experiment.recording(seed));
     let signals = prepare(&recording(1), &Preprocess::Thesis).unwrap();
     let found = identify_karnopp(&signals, &KarnoppOptions::default()).unwrap();
     let model = Model::from(&found);

@@ -1,6 +1,7 @@
 //! [thesis, table 3-3] recovered: 200 seeded recordings a material, simulated with the printed parameters and the noise of
 //! [thesis, table 3-2].
 
+use crate::recorded;
 use identify::{Errors, Identification, KarnoppOptions, Preprocess, identify_karnopp, prepare};
 use plant::ThesisExperiment;
 use plant::materials::{BRASS, Material, RUBBER, TEFLON};
@@ -9,16 +10,7 @@ use signals::Recording;
 const RUNS: u64 = 200;
 
 fn recording(experiment: &ThesisExperiment, seed: u64) -> Recording {
-    let r = experiment.recording(seed);
-    Recording {
-        name: format!("seed {seed}"),
-        time: r.time,
-        position: r.position,
-        velocity: Some(r.velocity),
-        acceleration: Some(r.acceleration),
-        force: r.force,
-        ..Recording::default()
-    }
+    recorded(experiment.recording(seed))
 }
 
 /// Mean and spread over the runs, and the mean of the reported standard errors.

@@ -1,7 +1,7 @@
 //! Faults of the clock, and values that are not numbers.
 
 use super::fault::{FaultKind, RecordingFault};
-use crate::Recording;
+use crate::{Basis, Recording, dot};
 
 /// Gaps that are reported one by one.
 const ONE_BY_ONE: usize = 8;
@@ -146,21 +146,10 @@ pub fn regressed(recording: &Recording) -> Option<(Vec<f64>, f64)> {
 /// Squares that the best parabola leaves of `values` at the times `at`.
 fn misfit(at: &[f64], values: &[f64], dt: f64) -> f64 {
     let middle = at[at.len() / 2];
-    let mut left = values.to_vec();
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for power in 0..3 {
-        let mut column: Vec<f64> = at.iter().map(|t| ((t - middle) / dt).powi(power)).collect();
-        for b in &basis {
-            let share: f64 = crate::dot(&column, b);
-            column.iter_mut().zip(b).for_each(|(c, b)| *c -= share * b);
-        }
-        let size = crate::dot(&column, &column).sqrt();
-        column.iter_mut().for_each(|c| *c /= size);
-        let share = crate::dot(&left, &column);
-        left.iter_mut().zip(&column).for_each(|(l, c)| *l -= share * c);
-        basis.push(column);
-    }
-    crate::dot(&left, &left)
+    let powers =
+        [0, 1, 2].map(|power| at.iter().map(|t| ((t - middle) / dt).powi(power)).collect::<Vec<f64>>());
+    let left = Basis::of(&powers).project_out(values);
+    dot(&left, &left)
 }
 
 /// Says that the stamps are a host's, and takes back the gaps that they seemed to have.

@@ -6,6 +6,7 @@
 //! changes only some of the bits and leaves a wrong code; reading gives random bits and raises the NMI.
 
 use crate::UNITS_PER_SECOND;
+use crate::random::Random;
 use std::collections::BTreeSet;
 
 /// First address of bank 2.
@@ -44,24 +45,6 @@ const ECCR_BANK_2: u32 = 1 << 21;
 /// Factory setting: two banks.
 const OPTR_RESET: u32 = 0xffef_f8aa;
 const OPTR_DBANK: u32 = 1 << 22;
-
-/// SplitMix64 [steele-2014].
-#[derive(Debug, Clone)]
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
-
-    /// Random word in which each bit is set with this chance of 256.
-    fn bits(&mut self, chance: u64) -> u8 {
-        (0..8).fold(0, |bits, bit| bits | u8::from(self.next() & 0xff < chance) << bit)
-    }
-}
 
 /// Result of an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -251,10 +234,10 @@ impl Flash {
         }
         self.power_lost = true;
         // barely started and nearly done are the interesting cases
-        Outcome::Cut(match self.random.next() % 4 {
+        Outcome::Cut(match self.random.draw() % 4 {
             0 => 256,
             1 => 0,
-            _ => self.random.next() % 257,
+            _ => self.random.draw() % 257,
         })
     }
 

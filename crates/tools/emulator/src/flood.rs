@@ -1,5 +1,7 @@
 //! A flood of commands and garbage at the full rate of the serial line.
 
+use crate::random::Random;
+
 /// Kind of a piece of the flood.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -48,38 +50,25 @@ const REFUSED: [&str; 14] = [
 /// A seeded, endless flood.
 #[derive(Debug, Clone)]
 pub(crate) struct Flood {
-    state: u64,
+    random: Random,
 }
 
 impl Flood {
     pub fn new(seed: u64) -> Self {
-        Self { state: seed }
-    }
-
-    /// SplitMix64 [steele-2014].
-    fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
+        Self { random: Random(seed) }
     }
 
     /// Next piece: a line with its terminator, or bytes without.
     pub fn piece(&mut self) -> (Kind, Vec<u8>) {
-        match self.below(10) {
-            0..5 => (Kind::Command, line(COMMANDS[self.below(COMMANDS.len())])),
-            5..8 => (Kind::Refused, line(REFUSED[self.below(REFUSED.len())])),
+        match self.random.below(10) {
+            0..5 => (Kind::Command, line(COMMANDS[self.random.below(COMMANDS.len())])),
+            5..8 => (Kind::Refused, line(REFUSED[self.random.below(REFUSED.len())])),
             8 => {
-                let length = 1 + self.below(300);
-                (Kind::Garbage, (0..length).map(|_| self.next() as u8).collect())
+                let length = 1 + self.random.below(300);
+                (Kind::Garbage, (0..length).map(|_| self.random.draw() as u8).collect())
             }
             _ => {
-                let length = 200 + self.below(800);
+                let length = 200 + self.random.below(800);
                 (Kind::Garbage, [vec![b'1'; length], b"\n".to_vec()].concat())
             }
         }

@@ -45,6 +45,7 @@ mod inject;
 mod iwdg;
 mod lpuart;
 mod machine;
+pub mod random;
 mod rcc;
 mod reach;
 pub mod report;

@@ -26,6 +26,10 @@ pub(crate) struct State {
     pub y: f64,
     /// Velocity, half strokes/s.
     pub w: f64,
+    /// Acceleration of the step before, half strokes/s².
+    pub a: f64,
+    /// Distance slid in the last moments, half strokes.
+    pub slid: f64,
     /// Time since the recording began, s.
     pub t: f64,
     /// Length of the recording, s.

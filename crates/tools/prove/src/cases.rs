@@ -3,6 +3,7 @@
 use crate::body::Body;
 use crate::hidden::{ALL, Hidden, Kind, find};
 use crate::motion::Programme;
+use crate::open::{self, Smooth};
 use crate::plant::{History, run};
 use crate::scale::NOISE;
 use crate::sensors::{Bench, Channels, DECOYS, Decoy, channels};
@@ -87,13 +88,17 @@ pub struct Extent {
     pub effects: Vec<String>,
     /// Whether pairs and decoys are part of it.
     pub companions: bool,
+    /// Hide what is in nobody's catalogue, instead of the catalogue.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub open: bool,
 }
 
 /// All cases in an order drawn from the seed.
 pub(crate) fn plan(extent: &Extent) -> Vec<Planned> {
     let mut purposes = Vec::new();
     let wanted = |k: &Kind| extent.effects.is_empty() || extent.effects.iter().any(|e| e == k.id);
-    for first in ALL.iter().filter(|k| wanted(k)) {
+    let all = if extent.open { open::ALL } else { ALL };
+    for first in all.iter().filter(|k| wanted(k)) {
         let strengths = if first.never { &[1.0][..] } else { &extent.strengths };
         for &strength in strengths {
             purposes.push((Purpose::Hidden { first, second: None, strength }, extent.seeds));
@@ -111,7 +116,7 @@ pub(crate) fn plan(extent: &Extent) -> Vec<Planned> {
         }
         purposes.extend(DECOYS.iter().map(|d| (Purpose::Decoy(d), extent.seeds)));
     }
-    purposes.push((Purpose::Null, extent.seeds * if extent.companions { 10 } else { 1 }));
+    purposes.push((Purpose::Null, extent.seeds * if extent.companions || extent.open { 10 } else { 1 }));
     let mut random = ChaCha8Rng::seed_from_u64(extent.seed);
     let mut planned: Vec<Planned> = purposes
         .iter()
@@ -156,6 +161,7 @@ pub(crate) fn stage(planned: &Planned, seconds: f64) -> Scene {
             size: kind.size.0 * strength,
             scale: within(0.75, 1.3),
             phase: within(0.0, std::f64::consts::TAU),
+            smooth: Smooth::draw(planned.seed ^ 0x6f70),
         })
         .collect();
     for h in hidden.iter_mut().filter(|h| h.kind.id == "gravity") {

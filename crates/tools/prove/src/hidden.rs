@@ -2,6 +2,7 @@
 
 use crate::body::{Body, State};
 use crate::motion::LOAD;
+use crate::open::{self, Smooth};
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -80,7 +81,7 @@ pub(crate) const ALL: &[Kind] = &[
 
 /// The kind with this id.
 pub(crate) fn find(id: &str) -> Option<&'static Kind> {
-    ALL.iter().find(|k| k.id == id)
+    ALL.iter().chain(open::ALL).find(|k| k.id == id)
 }
 
 /// An element that bends, first through a play without force, and slips.
@@ -120,6 +121,8 @@ pub(crate) struct Hidden {
     pub scale: f64,
     /// A phase, 0 to 2π.
     pub phase: f64,
+    /// What the random effects of the open world are made of.
+    pub smooth: Smooth,
 }
 
 impl Hidden {
@@ -197,7 +200,7 @@ impl Hidden {
             }
             "rising_static_friction" => g * (1.0 - (-age / self.time(seconds)).exp()),
             "frictional_lag" if state.late != s => -2.0 * g,
-            _ => 0.0,
+            id => g * open::level(id, &self.smooth, self.scale, state),
         }
     }
 
@@ -212,7 +215,7 @@ impl Hidden {
             "cogging" => g * (TAU * y / self.wavelength() + self.phase).cos(),
             "hard_stop" => g * (y - 0.55 * self.scale.min(1.2)).max(0.0),
             "offset" => g,
-            _ => 0.0,
+            id => g * open::force(id, &self.smooth, self.scale, state),
         }
     }
 

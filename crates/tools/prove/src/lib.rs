@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! motion    what the body is asked to do          hidden   what can be hidden in it
+//! open      what nobody's catalogue has
 //! plant     implicit contact, own time stepping   sensors  what the channels make of it
 //! cases     what is hidden where, and how much    seal     recordings and labels onto disk
 //! answers   recordings in, diagnoses out: sees neither plan nor labels
@@ -18,6 +19,7 @@ mod error;
 mod estimator;
 mod hidden;
 mod motion;
+mod open;
 mod plant;
 mod scale;
 mod score;
@@ -40,6 +42,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[must_use]
 pub fn effects() -> Vec<&'static str> {
     hidden::ALL.iter().map(|k| k.id).collect()
+}
+
+/// Ids of what is hidden in the open world.
+#[must_use]
+pub fn open_effects() -> Vec<&'static str> {
+    open::ALL.iter().map(|k| k.id).collect()
 }
 
 /// What is being done, how many cases are done, and of how many.

@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 
 /// Steps per sample.
 const STEPS: usize = 40;
+/// Time constant with which the distance slid is forgotten, s.
+const FADES: f64 = 0.5;
 /// Forces kept per sample, so that a channel can be late by less than a sample.
 pub(crate) const FINE: usize = 8;
 
@@ -81,6 +83,7 @@ pub(crate) fn run(body: &Body, hidden: &[Hidden], programme: &Programme, seconds
 
     let (mut y, mut w, mut real) = (programme.at(0.0), 0.0_f64, 0.0);
     let (mut age, mut followed, mut late) = (0.0_f64, 0.0, 1.0);
+    let (mut a, mut slid) = (0.0_f64, 0.0_f64);
     let mut out = History::default();
     for sample in 0..samples {
         let at = |k: i64| programme.at((sample as i64 + k) as f64 / RATE);
@@ -95,7 +98,7 @@ pub(crate) fn run(body: &Body, hidden: &[Hidden], programme: &Programme, seconds
             real = if lag > 0.0 { real + (command - real) * (1.0 - (-h / lag).exp()) } else { command };
             let t = (sample as f64 + share) / RATE - warm;
             let load = programme.load(t);
-            let state = State { y, w, t, seconds, load: load / LOAD, age, theta, drive: real, late };
+            let state = State { y, w, a, slid, t, seconds, load: load / LOAD, age, theta, drive: real, late };
             let even: f64 = hidden.iter().map(|e| e.force(&state)).sum();
             let bent: f64 = bristles.iter().map(Bristle::pull).sum();
             let hung = second.as_ref().map_or(0.0, |s| s.pull(y, w));
@@ -130,8 +133,11 @@ pub(crate) fn run(body: &Body, hidden: &[Hidden], programme: &Programme, seconds
                 }
             }
 
+            // of a sample, not of a step: a drive that chatters within one accelerates nothing
+            a += (acceleration - a) * (h * RATE);
             w = after;
             let moved = w * h;
+            slid += moved.abs() - slid * h / FADES;
             y += moved;
             bristles.iter_mut().for_each(|b| b.take(moved));
             if let Some(d) = renewal {
@@ -213,7 +219,8 @@ mod tests {
     #[test]
     fn what_is_hidden_is_what_the_baseline_leaves() {
         let kind = super::super::hidden::find("cogging").unwrap();
-        let effect = Hidden { kind, size: 0.3, scale: 1.0, phase: 0.4 };
+        let smooth = crate::open::Smooth::draw(1);
+        let effect = Hidden { kind, size: 0.3, scale: 1.0, phase: 0.4, smooth };
         let history = run(&BODY, &[effect], &Programme::new(8.0, 3), 8.0);
         for i in (0..history.y.len()).filter(|&i| history.slides[i]) {
             let left = history.force[i * FINE] - BODY.force(history.a[i], history.w[i]);

@@ -15,24 +15,6 @@ use std::path::Path;
 /// DV of the final experiment [thesis, table 5-3], m/s.
 const DV: f64 = 1e-3;
 
-/// The reference of the forced-choice experiment [thesis, table 5-3].
-fn table_5_3() -> Settings {
-    Settings {
-        law: haptics::LawKind::Karnopp,
-        f_static_p: 2.0,
-        f_static_n: 2.0,
-        f_dynamic_p: 2.0,
-        f_dynamic_n: 2.0,
-        damping_p: 20.0,
-        damping_n: 20.0,
-        dv: DV as f32,
-        mass: 0.5,
-        k_vc: 25_000.0,
-        b_vc: 10.0,
-        ..Settings::brass()
-    }
-}
-
 /// The grid.
 pub(super) fn grid(args: &Args, points: usize) -> Result<Outcome> {
     let dv = args.dv.unwrap_or(DV);
@@ -110,7 +92,7 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
     let presets: Vec<(String, Settings)> = match &args.preset {
         Some(name) => vec![(name.clone(), built_in(name)?)],
         None => vec![
-            ("table 5-3".to_owned(), table_5_3()),
+            ("table 5-3".to_owned(), Settings::forced_choice()),
             ("rubber".to_owned(), Settings::rubber()),
             ("brass".to_owned(), Settings::brass()),
             ("teflon".to_owned(), Settings::teflon()),

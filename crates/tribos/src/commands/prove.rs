@@ -39,6 +39,9 @@ pub struct Args {
     /// Open the labels after this number of minutes, even if some recordings are not diagnosed
     #[arg(long, value_name = "MINUTES", value_parser = minutes, allow_hyphen_values = true)]
     minutes: Option<f64>,
+    /// Hide what is in nobody's catalogue: random smooth functions, and what machines do. Right is `unnamed`
+    #[arg(long)]
+    open: bool,
     /// Three effects at 5 times the noise, once each, on short recordings
     #[arg(long)]
     quick: bool,
@@ -62,7 +65,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     if let Some(path) = &args.json {
         files::check_writable(path)?;
     }
-    let known = ::prove::effects();
+    let known = if args.open { ::prove::open_effects() } else { ::prove::effects() };
     if let Some(unknown) = args.effects.iter().find(|e| !known.contains(&e.as_str())) {
         return Err(Failure::new(format!("--effects: `{unknown}` cannot be hidden"))
             .help(format!("accepted are {}", known.join(", "))));
@@ -106,7 +109,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
 
 fn extent(args: &Args) -> Extent {
     let mut effects = args.effects.clone();
-    if args.quick && effects.is_empty() {
+    if args.quick && effects.is_empty() && !args.open {
         effects = ["spring", "cogging", "quadratic_drag"].map(String::from).to_vec();
     }
     Extent {
@@ -114,7 +117,8 @@ fn extent(args: &Args) -> Extent {
         seed: args.seed,
         strengths: if args.quick { vec![5.0] } else { args.strengths.clone() },
         seconds: if args.quick { 8.0 } else { 16.0 },
-        companions: effects.is_empty(),
+        companions: effects.is_empty() && !args.open,
+        open: args.open,
         effects,
     }
 }

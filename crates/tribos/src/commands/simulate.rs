@@ -34,8 +34,11 @@ pub struct Args {
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     files::check_writable(&args.out)?;
     let model = Model::read(&args.model).map_err(|e| Failure::in_file(&args.model, e))?;
-    let slide: Slide =
+    let mut slide: Slide =
         Layered::with(model.law, &model.effects).map_err(|e| Failure::in_file(&args.model, e))?;
+    for curve in &model.curves {
+        slide.add_curve(*curve).map_err(|e| Failure::in_file(&args.model, e))?;
+    }
     let seconds = args.motion.seconds.unwrap_or(args.seconds);
     let (points, calibration) = simulate(slide, model.mass, &args.motion, seconds, args.seed, &Terminal)?;
     let column = |f: fn(&Sample) -> f64| points.iter().map(f).collect::<Vec<f64>>();

@@ -1,0 +1,118 @@
+//! What a free form may depend on, and where its knots stand.
+
+use crate::library::design_matrix::DesignMatrix;
+use friction::{Coordinate, Factor, FreeForm, FreeFormState, Knots, MAX_KNOTS, MAX_VALUES};
+use signals::quantile;
+
+/// Coordinates, factor and memory of a free form.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    pub over: Coordinate,
+    pub across: Option<Coordinate>,
+    pub times: Factor,
+    /// Time constant of what was slid, s.
+    pub memory: f64,
+}
+
+/// Time constants of what was slid, as shares of the length of the longest recording.
+const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
+
+/// Most samples that decide where knots stand.
+const SAMPLES: usize = 20_000;
+
+/// Every candidate on a motion of `seconds`.
+pub fn all(seconds: f64) -> Vec<Candidate> {
+    use Coordinate::{
+        Acceleration, DistanceSinceReversal, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
+    };
+    use Factor::{Direction, One, Velocity as Viscous};
+    let curve = |over, times| Candidate { over, across: None, times, memory: 1.0 };
+    let map = |over, across| Candidate { across: Some(across), ..curve(over, One) };
+    let mut out = vec![
+        curve(Position, One),
+        curve(Position, Direction),
+        curve(Position, Viscous),
+        curve(Velocity, One),
+        curve(Speed, Direction),
+        curve(Acceleration, One),
+        curve(Acceleration, Direction),
+        curve(Time, One),
+        curve(Time, Direction),
+        curve(Time, Viscous),
+        curve(DistanceSinceReversal, Direction),
+        curve(TimeSinceReversal, Direction),
+        map(Position, Velocity),
+        map(Time, Velocity),
+        map(Acceleration, Velocity),
+        map(Position, Acceleration),
+    ];
+    for share in MEMORIES {
+        for times in [Direction, Viscous] {
+            out.push(Candidate { memory: share * seconds, ..curve(Slid, times) });
+        }
+    }
+    out
+}
+
+impl Candidate {
+    /// The form with knots where the motion is: `first` on its first axis, `second` on the other. None where a coordinate
+    /// does not change.
+    pub fn form(&self, design: &DesignMatrix, first: usize, second: usize) -> Option<FreeForm<f64>> {
+        let placeholder = Knots::new(&[0.0, 1.0]).ok()?;
+        let mut probe = FreeForm::curve(self.over, self.times, placeholder, &[0.0; 2]).ok()?;
+        probe.memory = self.memory.max(1e-6);
+        if let Some(across) = self.across {
+            probe = probe.map(across, placeholder, &[0.0; 4]).ok()?;
+        }
+        let values = design.walk(FreeFormState::default, |state, motion| probe.coordinates(state, motion));
+        let every = (values.iter().map(Vec::len).sum::<usize>() / SAMPLES).max(1);
+        let masks = design.tracks.iter().flat_map(|t| &t.mask);
+        let used: Vec<(f64, Option<f64>)> = values
+            .iter()
+            .flatten()
+            .zip(masks)
+            .step_by(every)
+            .filter(|(_, mask)| **mask > 0.5)
+            .map(|(v, _)| *v)
+            .collect();
+        let u: Vec<f64> = used.iter().map(|v| v.0).collect();
+        let knots = knots(self.over, &u, first)?;
+        let zero = [0.0; MAX_VALUES];
+        let mut form = FreeForm::curve(self.over, self.times, knots, &zero[..knots.places().len()]).ok()?;
+        form.memory = probe.memory;
+        let Some(across) = self.across else { return Some(form) };
+        let w: Vec<f64> = used.iter().filter_map(|v| v.1).collect();
+        let other = self::knots(across, &w, second)?;
+        form.map(across, other, zero.get(..knots.places().len() * other.places().len())?).ok()
+    }
+}
+
+/// Places between which the values lie: half even, half by how many values there are; in the logarithm for what begins
+/// anew at each reversal.
+fn knots(of: Coordinate, values: &[f64], count: usize) -> Option<Knots<f64>> {
+    let logarithmic =
+        matches!(of, Coordinate::DistanceSinceReversal | Coordinate::TimeSinceReversal | Coordinate::Slid);
+    let used: Vec<f64> =
+        values.iter().copied().filter(|x| x.abs() < 1e20 && (!logarithmic || *x > 0.0)).collect();
+    if used.len() < 4 * count {
+        return None;
+    }
+    let scale = |x: f64| if logarithmic { x.ln() } else { x };
+    let back = |x: f64| if logarithmic { x.exp() } else { x };
+    let ends = if logarithmic { 0.02 } else { 0.002 };
+    let (low, high) = (scale(quantile(&used, ends)), scale(quantile(&used, 1.0 - ends)));
+    let span = high - low;
+    if !(span > 1e-9 * low.abs().max(high.abs())) || !span.is_finite() {
+        return None;
+    }
+    let count = count.min(MAX_KNOTS);
+    let mut places: Vec<f64> = (0..count)
+        .map(|k| {
+            let share = k as f64 / (count - 1) as f64;
+            let by_number = scale(quantile(&used, share)).clamp(low, high);
+            back(0.5 * (low + span * share + by_number))
+        })
+        .collect();
+    places.dedup_by(|a, b| scale(*a) - scale(*b) <= 1e-3 * span);
+    Knots::new(&places).ok()
+}

@@ -1,0 +1,79 @@
+//! Names that a free form contradicts: an effect that adds nothing beside the curve was a part of the curve.
+
+use crate::free_form::describe::{Described, describe};
+use crate::library::term::TermKind;
+use crate::search::hypothesis::{Atom, Hypothesis};
+use crate::search::judgement::Search;
+use crate::search::lasting::Regime;
+
+/// Squared error over that of the floor from which on a name leaves so much that it may be wrong.
+const LEAVES: f64 = 2.0;
+
+/// What stays named, the free forms beside it, and the names that they contradict.
+pub struct Resolved {
+    pub found: Hypothesis,
+    pub described: Described,
+    pub kin: Vec<TermKind>,
+}
+
+/// Describes what `found` leaves, and takes back every name that the description contradicts.
+pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline: &Hypothesis) -> Resolved {
+    let described = describe(search, found, regimes);
+    let as_named = || Resolved { found: found.clone(), described: described.clone(), kin: Vec::new() };
+    let named = described.fit.heldout_sum();
+    let one = found.atoms.len() == 1 && described.terms.is_empty() && named < LEAVES * search.floor;
+    if found.atoms.is_empty() || one {
+        return as_named();
+    }
+    let alone = describe(search, baseline, regimes);
+    let free = alone.fit.heldout_sum();
+    let fewer = alone.terms.len() < found.atoms.len() + described.terms.len();
+    let contradicted = search.gains(&described.fit, &alone.fit)[0] > 0.0 || (fewer && free < named);
+    let resolved = if alone.terms.is_empty() || !contradicted {
+        as_named()
+    } else {
+        restored(search, found, baseline, alone)
+    };
+    needless(search, resolved)
+}
+
+/// Puts an effect in the place of each free form that it explains as well.
+fn restored(search: &Search, found: &Hypothesis, baseline: &Hypothesis, alone: Described) -> Resolved {
+    let mut now = Resolved { found: baseline.clone(), described: alone, kin: Vec::new() };
+    let mut left: Vec<Atom> = found.atoms.clone();
+    loop {
+        let place = |i: usize, c: usize| {
+            let atoms = now.found.atoms.iter().chain([&left[i]]).cloned().collect();
+            let with = Hypothesis::new(search.design, atoms)?;
+            let fitted = now.described.without(search, &with, Some(c))?;
+            let worse = search.gains(&fitted.fit, &now.described.fit)[0] > 0.0;
+            (!worse && search.physical(&with)).then(|| (fitted.fit.heldout_sum(), i, with, fitted))
+        };
+        let pairs = (0..left.len()).flat_map(|i| (0..now.described.terms.len()).map(move |c| (i, c)));
+        let best = pairs.filter_map(|(i, c)| place(i, c)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, i, with, fitted)) = best else { break };
+        left.remove(i);
+        (now.found, now.described) = (with, fitted);
+    }
+    now.kin = left.iter().map(|a| a.term.kind).collect();
+    now
+}
+
+/// Takes back, one after the other, every effect that predicts nothing beside the free forms.
+fn needless(search: &Search, mut now: Resolved) -> Resolved {
+    while !now.described.terms.is_empty() {
+        let without = |i: usize| {
+            let mut atoms = now.found.atoms.clone();
+            atoms.remove(i);
+            let fewer = Hypothesis::new(search.design, atoms)?;
+            let fitted = now.described.without(search, &fewer, None)?;
+            let needed = search.gains(&fitted.fit, &now.described.fit)[0] > 0.0;
+            (!needed).then(|| (fitted.fit.heldout_sum(), i, fewer, fitted))
+        };
+        let best = (0..now.found.atoms.len()).filter_map(without).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, i, fewer, fitted)) = best else { break };
+        now.kin.push(now.found.atoms[i].term.kind);
+        (now.found, now.described) = (fewer, fitted);
+    }
+    now
+}

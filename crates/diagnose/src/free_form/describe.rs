@@ -1,0 +1,200 @@
+//! The search for free forms: the one that predicts best what it was not fitted on, then the next.
+
+use crate::free_form::candidate::{self, Candidate};
+use crate::free_form::term::FreeTerm;
+use crate::library::design_matrix::DesignMatrix;
+use crate::regression::linear::{FOLDS, Fit, fit};
+use crate::regression::sign_flips::{block_scores, family};
+use crate::search::hypothesis::Hypothesis;
+use crate::search::judgement::{FLIPS, LEVEL, Search};
+use crate::search::lasting::{self, Regime};
+use rayon::prelude::*;
+use signals::{Basis, dot};
+
+/// Most free forms.
+const MOST: usize = 3;
+/// Knots of a curve, and of either axis of a map, at first.
+const FIRST: (usize, usize) = (14, 6);
+/// Knots tried for the best candidates.
+const CURVES: [usize; 3] = [5, 8, 22];
+const MAPS: [(usize, usize); 4] = [(4, 4), (5, 8), (8, 5), (10, 10)];
+/// Candidates that are tried with other knots, and the best map: at first a map is coarse.
+const CLOSER: usize = 3;
+/// Share of what is left that a simpler form may cost.
+const SIMPLER: f64 = 0.02;
+/// Smallest share of what is left above the floor that a form explains.
+const MATERIAL: f64 = 0.1;
+/// Smallest share of the floor.
+const SEEN: f64 = 0.05;
+
+/// Free forms beside a hypothesis, all fitted jointly.
+#[derive(Debug, Clone)]
+pub struct Described {
+    pub terms: Vec<FreeTerm>,
+    /// Coefficients of the baseline, of the atoms, then of the forms.
+    pub fit: Fit,
+    /// Of each form: held-out squares without it, with it, the 95 % interval of the gain, its p value.
+    pub gains: Vec<Gain>,
+}
+
+/// What a free form gains on blocks that it was not fitted on.
+#[derive(Debug, Clone, Copy)]
+pub struct Gain {
+    pub before: f64,
+    pub after: f64,
+    pub interval: [f64; 2],
+    pub p: f64,
+}
+
+/// Joint fit of a hypothesis and free forms.
+fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm]) -> Option<Fit> {
+    let own = terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice);
+    let columns: Vec<&[f64]> = Hypothesis::columns(design, &found.atoms).into_iter().chain(own).collect();
+    fit(&columns, &design.y, &design.blocks, FOLDS)
+}
+
+/// Everything that free forms explain beside `found`.
+pub fn describe(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Described {
+    let design = search.design;
+    let mut out = Described { terms: Vec::new(), fit: found.fit.clone(), gains: Vec::new() };
+    while out.terms.len() < MOST {
+        let Some((term, gain, fit)) = next(search, found, &out, regimes) else { break };
+        out.terms.push(term);
+        out.gains.push(gain);
+        out.fit = fit;
+    }
+    out.settle(design, found);
+    out
+}
+
+impl Described {
+    /// The forms beside another hypothesis, fitted anew, without the one at `drop`.
+    pub fn without(&self, search: &Search, found: &Hypothesis, drop: Option<usize>) -> Option<Self> {
+        let design = search.design;
+        let mut basis = Basis::of(&Hypothesis::columns(design, &found.atoms));
+        let (mut terms, mut gains) = (Vec::new(), Vec::new());
+        for (i, (term, gain)) in self.terms.iter().zip(&self.gains).enumerate() {
+            if drop == Some(i) {
+                continue;
+            }
+            let anew = FreeTerm::new(design, &basis, term.form)?;
+            anew.columns.iter().for_each(|c| {
+                basis.push(c);
+            });
+            terms.push(anew);
+            gains.push(*gain);
+        }
+        let fit = joint(design, found, &terms)?;
+        let mut out = Self { terms, fit, gains };
+        out.settle(design, found);
+        Some(out)
+    }
+
+    /// The hypothesis with its forms.
+    pub fn beside(&self, found: &Hypothesis) -> Hypothesis {
+        Hypothesis { atoms: found.atoms.clone(), free: self.terms.clone(), fit: self.fit.clone() }
+    }
+
+    /// Gives each form the values of the joint fit.
+    fn settle(&mut self, design: &DesignMatrix, found: &Hypothesis) {
+        let mut from = Hypothesis::columns(design, &found.atoms).len();
+        for term in &mut self.terms {
+            let own = from..from + term.columns.len();
+            from = own.end;
+            *term = term.clone().fitted(&self.fit.coefficients[own.clone()], &self.fit.std_errors[own]);
+        }
+    }
+}
+
+/// A candidate with its knots, and how it does.
+struct Trial {
+    candidate: Candidate,
+    term: FreeTerm,
+    fit: Fit,
+}
+
+fn next(
+    search: &Search,
+    found: &Hypothesis,
+    so_far: &Described,
+    regimes: &[Regime],
+) -> Option<(FreeTerm, Gain, Fit)> {
+    let design = search.design;
+    let mut columns = Hypothesis::columns(design, &found.atoms);
+    columns.extend(so_far.terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice));
+    let basis = Basis::of(&columns);
+    let rows = design.share.iter().filter(|s| **s > 0.5).count();
+    let trial = |candidate: Candidate, (first, second): (usize, usize)| -> Option<Trial> {
+        let count = if candidate.across.is_some() { first * second } else { first };
+        let form = candidate.form(design, first, second).filter(|_| 20 * count <= rows)?;
+        let term = FreeTerm::new(design, &basis, form)?;
+        let all: Vec<&[f64]> =
+            columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
+        let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
+        Some(Trial { candidate, term, fit })
+    };
+    let shape = |c: &Candidate| if c.across.is_some() { (FIRST.1, FIRST.1) } else { (FIRST.0, 0) };
+    let seconds = design.tracks.iter().map(|t| t.len() as f64 * t.raw.dt).fold(0.0, f64::max);
+    let mut trials: Vec<Trial> =
+        candidate::all(seconds).into_par_iter().filter_map(|c| trial(c, shape(&c))).collect();
+    let heldout = |t: &Trial| t.fit.heldout_sum();
+    trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
+    let p = significance(search, &so_far.fit, &trials, &basis)?;
+    let map = trials.iter().position(|t| t.candidate.across.is_some());
+    let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
+    let best: Vec<(Candidate, f64)> =
+        (0..trials.len()).filter(closest).map(|i| (trials[i].candidate, p[i])).collect();
+    trials.truncate(CLOSER);
+    let closer: Vec<(Candidate, (usize, usize))> = best
+        .iter()
+        .flat_map(|(c, _)| match c.across {
+            None => CURVES.iter().map(|k| (*c, (*k, 0))).collect::<Vec<_>>(),
+            Some(_) => MAPS.iter().map(|k| (*c, *k)).collect(),
+        })
+        .collect();
+    trials.extend(closer.into_par_iter().filter_map(|(c, knots)| trial(c, knots)).collect::<Vec<_>>());
+    let before = so_far.fit.heldout_sum();
+    let least = trials.iter().map(heldout).fold(f64::INFINITY, f64::min);
+    let chosen = trials
+        .into_iter()
+        .filter(|t| heldout(t) <= (1.0 + SIMPLER) * least)
+        .min_by_key(|t| t.term.columns.len())?;
+    let p = best.iter().find(|(c, _)| *c == chosen.candidate).map_or(1.0, |(_, p)| *p);
+    let after = heldout(&chosen);
+    let interval = search.gains(&so_far.fit, &chosen.fit);
+    let material = (MATERIAL * (before - search.floor)).max(SEEN * search.floor).max(search.systematic);
+    let holds = || chosen.term.is_of_time() || lasts(search, &basis, &chosen, regimes);
+    let sure = p <= LEVEL && interval[0] > 0.0 && before - after >= material && holds();
+    sure.then_some((chosen.term, Gain { before, after, interval, p }, chosen.fit))
+}
+
+/// Family-wise p of the best column of each trial.
+fn significance(search: &Search, parent: &Fit, trials: &[Trial], basis: &Basis) -> Option<Vec<f64>> {
+    let design = search.design;
+    let child = &trials.first()?.fit.residual;
+    let spread = (dot(child, child) / child.len().max(1) as f64).sqrt();
+    let rests: Vec<(usize, Vec<f64>)> = trials
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(i, t)| t.term.columns.iter().map(move |c| (i, basis.project_out(c))))
+        .collect();
+    let scores = |residual: &[f64]| -> Vec<_> {
+        rests.par_iter().map(|(_, rest)| block_scores(rest, residual, &design.blocks)).collect()
+    };
+    let scale: Vec<f64> = rests.iter().map(|(_, rest)| dot(rest, rest).sqrt() * spread).collect();
+    let outcome = family(&scores(&parent.residual), &scores(child), &scale, FLIPS, search.seed ^ 0xf4ee);
+    let mut out = vec![1.0_f64; trials.len()];
+    for ((i, _), p) in rests.iter().zip(outcome.p) {
+        out[*i] = out[*i].min(p);
+    }
+    Some(out)
+}
+
+/// Whether it lowers the error on regimes left out.
+fn lasts(search: &Search, basis: &Basis, trial: &Trial, regimes: &[Regime]) -> bool {
+    let rows = search.design.share.iter().filter(|s| **s > 0.5).count().max(1) as f64;
+    let noise = dot(&trial.fit.residual, &trial.fit.residual) / rows;
+    let judged = lasting::left_out_errors(search.design, basis, &trial.term.columns, noise, regimes);
+    let (without, with) = judged.iter().fold((0.0, 0.0), |s, (_, e)| (s.0 + e.0, s.1 + e.1));
+    judged.is_empty() || with < without
+}

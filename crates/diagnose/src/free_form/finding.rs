@@ -1,0 +1,129 @@
+//! A free form as an entry of what is missing.
+
+use crate::findings::words::short;
+use crate::free_form::describe::Gain;
+use crate::free_form::formula::looks_like;
+use crate::free_form::term::FreeTerm;
+use crate::result::{FreeCurve, FreeFormFinding, LooksLike, Missing, Quantity};
+use friction::effects::{Describe, Unnamed};
+use friction::{Coordinate, Dimension, Factor, Geometry};
+use std::collections::BTreeMap;
+
+/// Dimension of a coordinate.
+fn dimension(of: Coordinate) -> Dimension {
+    match of {
+        Coordinate::Position | Coordinate::DistanceSinceReversal | Coordinate::Slid => Dimension::LENGTH,
+        Coordinate::Velocity | Coordinate::Speed => Dimension::VELOCITY,
+        Coordinate::Acceleration => Dimension::ACCELERATION,
+        Coordinate::Time | Coordinate::TimeSinceReversal => Dimension::TIME,
+    }
+}
+
+/// Name of a coordinate in a sentence.
+fn words(of: Coordinate) -> String {
+    match of {
+        Coordinate::Slid => "the distance slid in the last moments".into(),
+        Coordinate::Speed => "the speed".into(),
+        Coordinate::DistanceSinceReversal | Coordinate::TimeSinceReversal => {
+            format!("the {}", of.id().replace("_since_", " since the last "))
+        }
+        other => other.id().into(),
+    }
+}
+
+/// The move that separates a form's coordinate from the others.
+fn experiment(term: &FreeTerm) -> String {
+    let axes = [Some(term.form.over), term.form.across.map(|(c, _)| c)];
+    let has = |c: Coordinate| axes.contains(&Some(c));
+    if has(Coordinate::Time) {
+        "repeat the same move: what depends on the time since the start begins anew, what depends on the clock does not"
+    } else if has(Coordinate::Slid) {
+        "slide at one speed, rest for a while, slide again: what was slid fades, a position stays"
+    } else if has(Coordinate::DistanceSinceReversal) || has(Coordinate::TimeSinceReversal) {
+        "reverse after strokes of different length and at different speeds"
+    } else if has(Coordinate::Position) && (has(Coordinate::Velocity) || term.form.times != Factor::One) {
+        "cross the same positions at three speeds, in both directions"
+    } else if has(Coordinate::Position) {
+        "move through the same positions at another speed and from another start"
+    } else {
+        "reach the same speeds at other positions and with other accelerations"
+    }
+    .into()
+}
+
+/// What a free form says; `rows` are those behind the squares of `gain`.
+pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: Geometry) -> Missing {
+    let form = &term.form;
+    let force = Dimension::FORCE.unit(geometry).to_string();
+    let unit_of = |c: Coordinate| dimension(c).unit(geometry).to_string();
+    let unit = match form.times {
+        Factor::Velocity => Dimension::FORCE.per(Dimension::VELOCITY).unit(geometry).to_string(),
+        _ => force,
+    };
+    let across = form.across.map(|(c, _)| c);
+    let (low, high) =
+        form.values().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let on = match across {
+        Some(c) => format!("{} and {} together", words(form.over), words(c)),
+        None => words(form.over),
+    };
+    let (what, times) = match form.times {
+        Factor::One => ("a force", ""),
+        Factor::Direction => ("friction", "sgn(v)*"),
+        Factor::Velocity => ("a viscous coefficient", "v*"),
+    };
+    let kin_of = match kin {
+        [] => String::new(),
+        all => format!("; it is no {}, which does not fit beside it", all.join(", no ")),
+    };
+    let formula = looks_like(term);
+    let hint = formula.as_ref().map_or_else(String::new, |f| format!("; it looks like {}", f.formula));
+    let looks_like = formula.map(|f| LooksLike {
+        formula: f.formula,
+        parameters: f
+            .shape
+            .into_iter()
+            .map(|(name, value, placed)| {
+                let unit = if placed { unit_of(form.over) } else { String::new() };
+                (name, Quantity { value, std: f64::NAN, unit })
+            })
+            .chain([("gain".to_string(), Quantity { value: f.gain.0, std: f.gain.1, unit: unit.clone() })])
+            .collect(),
+        runner_up: f.runner_up,
+        made_by: f.made_by.into(),
+    });
+    let to_rms = |sum: f64| (sum / rows).sqrt();
+    let coordinates: Vec<String> =
+        std::iter::once(form.over).chain(across).map(|c| c.id().to_string()).collect();
+    Missing {
+        effect: Unnamed::ABOUT.id.into(),
+        says: format!(
+            "{what} that depends on {on} and has no name: from {} to {} {unit}{hint}{kin_of}",
+            short(low),
+            short(high)
+        ),
+        equation: format!("{times}f({})", coordinates.join(", ")),
+        parameters: BTreeMap::new(),
+        rms_heldout_before: to_rms(gain.before),
+        rms_heldout_after: to_rms(gain.after),
+        gain_ci95: gain.interval,
+        p: gain.p,
+        indistinguishable_from: Vec::new(),
+        experiment: experiment(term),
+        free_form: Some(FreeFormFinding {
+            units: std::iter::once(form.over).chain(across).map(unit_of).collect(),
+            coordinates,
+            curve: FreeCurve {
+                times: form.times.id().into(),
+                memory_s: (form.over == Coordinate::Slid).then_some(form.memory),
+                knots: form.knots.places().to_vec(),
+                knots_across: form.across.map(|(_, k)| k.places().to_vec()).unwrap_or_default(),
+                values: form.values().to_vec(),
+                band: term.std.iter().map(|s| 1.96 * s).collect(),
+                unit,
+            },
+            looks_like,
+            kin: kin.iter().map(|k| (*k).to_string()).collect(),
+        }),
+    }
+}
