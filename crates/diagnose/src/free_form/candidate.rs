@@ -3,6 +3,7 @@
 use crate::library::design_matrix::DesignMatrix;
 use friction::{Coordinate, Factor, FreeForm, FreeFormState, Knots, MAX_KNOTS, MAX_VALUES};
 use signals::quantile;
+use std::sync::{Arc, Mutex};
 
 /// Coordinates, factor and memory of a free form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +22,7 @@ const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 const SAMPLES: usize = 20_000;
 
 /// Every candidate on a motion of `seconds`.
-pub fn all(seconds: f64) -> Vec<Candidate> {
+fn all(seconds: f64) -> Vec<Candidate> {
     use Coordinate::{
         Acceleration, DistanceSinceReversal, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
     };
@@ -52,6 +53,45 @@ pub fn all(seconds: f64) -> Vec<Candidate> {
         }
     }
     out
+}
+
+/// A free form with its columns.
+type Columns = Option<(FreeForm<f64>, Arc<Vec<Vec<f64>>>)>;
+
+/// A candidate with its numbers of knots.
+type Key = (Candidate, usize, usize);
+
+/// The candidates on a design matrix. Columns are kept, because most are asked for several times.
+pub struct Library {
+    pub candidates: Vec<Candidate>,
+    kept: Mutex<Vec<(Key, Columns)>>,
+}
+
+/// Most rows of which columns are kept.
+const KEPT: usize = 20_000;
+
+impl Library {
+    pub fn new(design: &DesignMatrix) -> Self {
+        let seconds = design.tracks.iter().map(|t| t.len() as f64 * t.raw.dt).fold(0.0, f64::max);
+        Self { candidates: all(seconds), kept: Mutex::default() }
+    }
+
+    /// The form of a candidate with this many knots, and its columns.
+    pub fn get(&self, design: &DesignMatrix, candidate: Candidate, first: usize, second: usize) -> Columns {
+        let key = (candidate, first, second);
+        let known = |kept: &Vec<(Key, Columns)>| kept.iter().find(|(k, _)| *k == key).map(|(_, c)| c.clone());
+        if let Some(columns) = self.kept.lock().ok().and_then(|kept| known(&kept)) {
+            return columns;
+        }
+        let form = candidate.form(design, first, second);
+        let columns = form.map(|form| (form, Arc::new(design.free_columns(&form))));
+        if design.share.len() <= KEPT
+            && let Ok(mut kept) = self.kept.lock()
+        {
+            kept.push((key, columns.clone()));
+        }
+        columns
+    }
 }
 
 impl Candidate {

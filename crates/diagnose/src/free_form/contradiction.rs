@@ -1,5 +1,6 @@
 //! Names that a free form contradicts: an effect that adds nothing beside the curve was a part of the curve.
 
+use crate::free_form::candidate::Library;
 use crate::free_form::describe::{Described, describe};
 use crate::library::term::TermKind;
 use crate::search::hypothesis::{Atom, Hypothesis};
@@ -18,14 +19,15 @@ pub struct Resolved {
 
 /// Describes what `found` leaves, and takes back every name that the description contradicts.
 pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline: &Hypothesis) -> Resolved {
-    let described = describe(search, found, regimes);
+    let library = Library::new(search.design);
+    let described = describe(search, &library, found, regimes);
     let as_named = || Resolved { found: found.clone(), described: described.clone(), kin: Vec::new() };
     let named = described.fit.heldout_sum();
     let one = found.atoms.len() == 1 && described.terms.is_empty() && named < LEAVES * search.floor;
     if found.atoms.is_empty() || one {
         return as_named();
     }
-    let alone = describe(search, baseline, regimes);
+    let alone = describe(search, &library, baseline, regimes);
     let free = alone.fit.heldout_sum();
     let fewer = alone.terms.len() < found.atoms.len() + described.terms.len();
     let contradicted = search.gains(&described.fit, &alone.fit)[0] > 0.0 || (fewer && free < named);

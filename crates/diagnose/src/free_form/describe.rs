@@ -1,6 +1,6 @@
 //! The search for free forms: the one that predicts best what it was not fitted on, then the next.
 
-use crate::free_form::candidate::{self, Candidate};
+use crate::free_form::candidate::{Candidate, Library};
 use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::{FOLDS, Fit, fit};
@@ -54,11 +54,11 @@ fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm]) -> Optio
 }
 
 /// Everything that free forms explain beside `found`.
-pub fn describe(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Described {
+pub fn describe(search: &Search, library: &Library, found: &Hypothesis, regimes: &[Regime]) -> Described {
     let design = search.design;
     let mut out = Described { terms: Vec::new(), fit: found.fit.clone(), gains: Vec::new() };
     while out.terms.len() < MOST {
-        let Some((term, gain, fit)) = next(search, found, &out, regimes) else { break };
+        let Some((term, gain, fit)) = next(search, library, found, &out, regimes) else { break };
         out.terms.push(term);
         out.gains.push(gain);
         out.fit = fit;
@@ -77,7 +77,7 @@ impl Described {
             if drop == Some(i) {
                 continue;
             }
-            let anew = FreeTerm::new(design, &basis, term.form)?;
+            let anew = term.outside(&basis)?;
             anew.columns.iter().for_each(|c| {
                 basis.push(c);
             });
@@ -115,6 +115,7 @@ struct Trial {
 
 fn next(
     search: &Search,
+    library: &Library,
     found: &Hypothesis,
     so_far: &Described,
     regimes: &[Regime],
@@ -126,17 +127,16 @@ fn next(
     let rows = design.share.iter().filter(|s| **s > 0.5).count();
     let trial = |candidate: Candidate, (first, second): (usize, usize)| -> Option<Trial> {
         let count = if candidate.across.is_some() { first * second } else { first };
-        let form = candidate.form(design, first, second).filter(|_| 20 * count <= rows)?;
-        let term = FreeTerm::new(design, &basis, form)?;
+        let (form, all) = (20 * count <= rows).then(|| library.get(design, candidate, first, second))??;
+        let term = FreeTerm::new(&basis, form, all)?;
         let all: Vec<&[f64]> =
             columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
         let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
         Some(Trial { candidate, term, fit })
     };
     let shape = |c: &Candidate| if c.across.is_some() { (FIRST.1, FIRST.1) } else { (FIRST.0, 0) };
-    let seconds = design.tracks.iter().map(|t| t.len() as f64 * t.raw.dt).fold(0.0, f64::max);
     let mut trials: Vec<Trial> =
-        candidate::all(seconds).into_par_iter().filter_map(|c| trial(c, shape(&c))).collect();
+        library.candidates.par_iter().copied().filter_map(|c| trial(c, shape(&c))).collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
     let p = significance(search, &so_far.fit, &trials, &basis)?;

@@ -5,6 +5,7 @@ use friction::{FreeForm, FreeFormState};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use signals::{Basis, dot};
+use std::sync::Arc;
 
 /// Smallest share of the strongest direction from which on a direction of the values is determined.
 const DETERMINED: f64 = 1e-3;
@@ -17,6 +18,8 @@ const OUTSIDE: f64 = 1e-4;
 pub struct FreeTerm {
     /// Coordinates, knots and factor; the values are those of the last fit.
     pub form: FreeForm<f64>,
+    /// A column for each value.
+    all: Arc<Vec<Vec<f64>>>,
     /// Independent columns.
     pub columns: Vec<Vec<f64>>,
     /// Values at the knots for a unit of each column.
@@ -47,9 +50,13 @@ impl DesignMatrix {
 }
 
 impl FreeTerm {
-    /// The directions of `form` outside the span of `basis`; None where there is none.
-    pub fn new(design: &DesignMatrix, basis: &Basis, form: FreeForm<f64>) -> Option<Self> {
-        let all = design.free_columns(&form);
+    /// The same form outside the span of another basis.
+    pub fn outside(&self, basis: &Basis) -> Option<Self> {
+        Self::new(basis, self.form, self.all.clone())
+    }
+
+    /// The directions of `form` outside the span of `basis`; None where there is none. `all` are its columns.
+    pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>) -> Option<Self> {
         let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
         let count = all.len();
         let gram = DMatrix::from_fn(count, count, |i, j| dot(&rest[i], &rest[j]));
@@ -65,7 +72,7 @@ impl FreeTerm {
         let modes: Vec<Vec<f64>> =
             order.iter().map(|k| eigen.eigenvectors.column(*k).iter().copied().collect()).collect();
         let columns: Vec<Vec<f64>> = modes.iter().map(|mode| combine(&all, mode)).collect();
-        (!columns.is_empty()).then(|| Self { form, columns, modes, std: vec![0.0; count] })
+        (!columns.is_empty()).then(|| Self { form, all, columns, modes, std: vec![0.0; count] })
     }
 
     /// The same with the values of a fit.
