@@ -1,0 +1,54 @@
+//! The public benchmarks by their official protocols, on the official recordings.
+
+#[macro_use]
+extern crate untested; // `println!` is shown only when a test fails, or with --nocapture
+
+use benchmark::{emps, silverbox};
+use std::process::ExitCode;
+use std::time::Instant;
+use untested::{Need, recordings};
+
+static SILVERBOX: Need = Need::new(|| recordings("silverbox/SNLS80mV.mat").err());
+static EMPS: Need = Need::new(|| recordings("emps/DATA_EMPS.mat").err());
+
+fn main() -> ExitCode {
+    untested::run!(
+        tests![silverbox_free_run_is_within_its_bars].needing(&SILVERBOX),
+        tests![emps_free_run_on_the_half_left_out].needing(&EMPS),
+    )
+}
+
+fn silverbox_free_run_is_within_its_bars() {
+    let began = Instant::now();
+    let record = silverbox::read(&recordings("silverbox").unwrap()).unwrap();
+    let found = silverbox::train(&record).unwrap();
+    println!("{:.1?}, {} runs", began.elapsed(), found.fitted.evaluations);
+    for ((place, value), std) in found.places.iter().zip(&found.fitted.values).zip(&found.fitted.std) {
+        println!("{:26} {value:12.5e} ± {std:.1e} {}", place.name(), place.unit());
+        assert!(*std > 0.0 && *std < 0.5 * value.abs().max(1e-6), "{}", place.name());
+    }
+    assert!(found.fitted.converged && found.places.len() <= 12);
+    for (test, bar) in silverbox::test(&found, &record).iter().zip([0.39, 0.56, 0.38]) {
+        println!("{:18} {:.4} mV, bar {bar}", test.name, test.error);
+        assert!(test.error <= bar, "{}: {} mV", test.name, test.error);
+    }
+}
+
+fn emps_free_run_on_the_half_left_out() {
+    let began = Instant::now();
+    let (record, _) = emps::read(&recordings("emps").unwrap()).unwrap();
+    let [first, second] = emps::halves(&record);
+    let mut squares = 0.0;
+    for (fitted, judged) in [(&first, &second), (&second, &first)] {
+        let found = emps::train(&record, fitted).unwrap();
+        for ((place, value), std) in found.places.iter().zip(&found.fitted.values).zip(&found.fitted.std) {
+            println!("{:38} {value:10.4} ± {std:.2} {}", place.name(), place.unit());
+        }
+        let position = 1e3 * found.free_run_error(&record, judged, emps::PROTOCOL.settling);
+        let force = emps::force_error(&found, &record, judged).unwrap();
+        println!("free run {position:.2} mm, force {force:.3} N, {:.1?}", began.elapsed());
+        squares += 0.5 * position * position;
+        assert!(found.fitted.converged && force < 1.5);
+    }
+    assert!(squares.sqrt() < 6.5, "{} mm", squares.sqrt());
+}
