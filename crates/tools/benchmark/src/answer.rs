@@ -31,16 +31,16 @@ pub struct Answer {
     pub converged: bool,
     /// The tests, in the order of the rivals' figures.
     pub tests: Vec<Test>,
-    /// Error of the force of the frozen model, where it was asked.
-    pub force: Vec<Figure>,
+    /// Error of the force that the frozen model predicts from the motion.
+    pub force: Vec<Force>,
+    /// Other models, run here on the same tests.
+    pub compared: Vec<Compared>,
     /// What each term gains within the training span.
     pub gains: Vec<Gain>,
     /// How `gains` were judged, and their unit.
     pub gains_are: String,
     /// Published figures.
     pub rivals: Vec<Rival>,
-    /// Published figures of the force error.
-    pub force_rivals: Vec<Rival>,
     /// What is missing, if the official test could not be run.
     pub missing: Option<String>,
 }
@@ -69,6 +69,19 @@ pub struct Figure {
     pub unit: &'static str,
 }
 
+/// Error of the force that a frozen model predicts, N rms.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Force {
+    /// Model and data.
+    pub name: String,
+    /// Against the force as recorded, with all its noise.
+    pub recorded: f64,
+    /// Both behind the zero-phase low-pass of a fit.
+    pub filtered: f64,
+    /// Key of docs/references.md, or `run here`.
+    pub source: &'static str,
+}
+
 /// A free run on data that was not fitted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Test {
@@ -82,6 +95,17 @@ pub struct Test {
     pub samples: usize,
     /// Of the official protocol.
     pub official: bool,
+}
+
+/// Another model on the same tests.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Compared {
+    /// What it is.
+    pub method: &'static str,
+    /// Errors in the order and unit of the tests.
+    pub errors: Vec<f64>,
+    /// Key of docs/references.md.
+    pub source: &'static str,
 }
 
 /// The parameters of a model with their names.
@@ -143,54 +167,47 @@ impl Answer {
         if let Some(missing) = &self.missing {
             let _ = writeln!(out, "\n  {missing}");
         }
-        let official = self.tests.iter().all(|t| t.official);
+        let official = self.missing.is_none();
         let unit = self.tests.first().map_or("", |t| t.unit);
-        let _ = writeln!(out, "\n  Free run on data not fitted, position error rms, {unit}");
-        let mut heads = vec!["method"];
-        let right: Vec<String> = self.tests.iter().map(|t| format!(">{}", t.name)).collect();
-        heads.extend(right.iter().map(String::as_str));
-        if official {
-            heads.push("source");
-        }
+        let _ = writeln!(out, "\n  Free run on data that was not fitted, position error rms, {unit}");
+        let names: Vec<String> = self.tests.iter().map(|t| format!(">{}", t.name)).collect();
+        let heads: Vec<&str> =
+            std::iter::once("method").chain(names.iter().map(String::as_str)).chain(["source"]).collect();
         let mut table = Table::new(&heads);
-        let mut row = vec![format!("this model, {} parameters", self.parameters.len())];
-        row.extend(self.tests.iter().map(|t| number(t.error, 3)));
-        if official {
-            row.push("here".into());
+        let here: Vec<f64> = self.tests.iter().map(|t| t.error).collect();
+        table.row(cells(&format!("this model, {} parameters", self.parameters.len()), &here, "run here"));
+        for c in &self.compared {
+            table.row(cells(c.method, &c.errors, c.source));
         }
-        table.row(row);
+        let published = |table: &mut Table| {
+            for r in &self.rivals {
+                table.row(cells(r.method, r.errors, r.source));
+            }
+        };
         // figures of the official test do not stand beside those of another
         if official {
-            for rival in &self.rivals {
-                table.row(cells(rival));
-            }
+            published(&mut table);
         }
         out.push_str(&table.render());
         if !official {
             let _ = writeln!(out, "\n  Published on the official test, {unit}");
             let mut table = Table::new(&["method", ">error", "source"]);
-            for rival in &self.rivals {
-                table.row(cells(rival));
-            }
+            published(&mut table);
             out.push_str(&table.render());
         }
         if !self.force.is_empty() {
-            out.push_str("\n  Frozen model, force error on data not fitted\n");
-            let mut table = Table::new(&["data", ">rms", "unit", "source"]);
+            out.push_str("\n  Frozen model, force error on data that was not fitted, N rms\n");
+            let mut table =
+                Table::new(&["model and data", ">as recorded", ">behind the filter of the fit", "source"]);
             for f in &self.force {
-                table.row([f.name.as_str(), &number(f.value, 3), f.unit, "here"]);
-            }
-            for r in &self.force_rivals {
-                table.row([&format!("{}, pulses", r.method), &number(r.errors[0], 3), "N", r.source]);
+                table.row(cells(&f.name, &[f.recorded, f.filtered], f.source));
             }
             out.push_str(&table.render());
         }
     }
 }
 
-fn cells(rival: &Rival) -> Vec<String> {
-    let mut row = vec![rival.method.to_owned()];
-    row.extend(rival.errors.iter().map(|e| number(*e, 3)));
-    row.push(rival.source.into());
-    row
+fn cells(method: &str, errors: &[f64], source: &str) -> Vec<String> {
+    let numbers = errors.iter().map(|e| number(*e, 3));
+    std::iter::once(method.to_owned()).chain(numbers).chain([source.to_owned()]).collect()
 }

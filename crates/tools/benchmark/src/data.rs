@@ -35,17 +35,26 @@ impl Record {
         let samples = recording.len();
         let (first, last) = match recording.time.as_slice() {
             [first, .., last] if last > first => (*first, *last),
-            _ => return Err(wrong(format!("{samples} samples on a clock that does not advance; expected is an even clock"))),
+            _ => {
+                return Err(wrong(format!(
+                    "{samples} samples on a clock that does not advance; expected is an even clock"
+                )));
+            }
         };
         for (name, values) in recording.columns() {
             if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-                return Err(wrong(format!("sample {at} of {name} is {}; expected are finite numbers", values[at])));
+                return Err(wrong(format!(
+                    "sample {at} of {name} is {}; expected are finite numbers",
+                    values[at]
+                )));
             }
         }
         // stamps rounded to 1e-8 s would look like jitter
         let dt = (last - first) / (samples - 1) as f64;
         if let Some(at) = recording.time.windows(2).position(|w| !((w[1] - w[0] - dt).abs() < 0.01 * dt)) {
-            return Err(wrong(format!("the clock is uneven behind sample {at}; expected is a step of {dt:.6} s")));
+            return Err(wrong(format!(
+                "the clock is uneven behind sample {at}; expected is a step of {dt:.6} s"
+            )));
         }
         recording.time = (0..samples).map(|i| i as f64 * dt).collect();
         let reach = recording.position.iter().fold(0.0f64, |m, x| m.max(x.abs()));

@@ -108,7 +108,8 @@ impl Drive {
         let (before, behind, far) = (f + one, f - one, f - two);
         let [a, b, c, d]: [S; 4] =
             [self.value(i.saturating_sub(1)), self.value(i), self.value(i + 1), self.value(i + 2)];
-        (d * before * f * behind - a * f * behind * far) / six + (b * before * behind * far - c * before * f * far) / two
+        (d * before * f * behind - a * f * behind * far) / six
+            + (b * before * behind * far - c * before * f * far) / two
     }
 }
 

@@ -32,14 +32,18 @@ pub(crate) fn start(places: &[Place], record: &Record, span: &Range<usize>) -> R
     let norms: Vec<f64> = linear.iter().map(|c| signals::rms(c)).collect();
     if let Some(at) = norms.iter().position(|n| !(n.is_finite() && *n > 0.0)) {
         let place = places.iter().zip(&columns).filter(|(_, c)| c.is_some()).nth(at).map(|(p, _)| p.name());
-        let why = format!("the motion does not show {}; expected is the official recording", place.unwrap_or_default());
+        let why = format!(
+            "the motion does not show {}; expected is the official recording",
+            place.unwrap_or_default()
+        );
         return Err(Error::Unfit { file: record.file.clone(), why });
     }
     let design = DMatrix::from_fn(force.len(), linear.len(), |i, j| linear[j][i] / norms[j]);
     let target = DVector::from_column_slice(&force);
     let solved = (design.transpose() * &design).cholesky().map(|c| c.solve(&(design.transpose() * target)));
     let Some(solved) = solved.filter(|s| s.iter().all(|x| x.is_finite())) else {
-        let why = "the motion does not separate the parameters; expected is the official recording".to_owned();
+        let why =
+            "the motion does not separate the parameters; expected is the official recording".to_owned();
         return Err(Error::Unfit { file: record.file.clone(), why });
     };
     let mut next = solved.iter().zip(&norms);
@@ -55,7 +59,9 @@ pub(crate) fn start(places: &[Place], record: &Record, span: &Range<usize>) -> R
     }
     let mass = places.iter().zip(&start.values).find(|(p, _)| **p == Place::Mass).map(|(_, v)| *v);
     if let Some(mass) = mass.filter(|m| !(*m > 0.0)) {
-        let why = format!("mass = {mass:e} kg by equation error; expected is a positive one: is the force's sign right?");
+        let why = format!(
+            "mass = {mass:e} kg by equation error; expected is a positive one: is the force's sign right?"
+        );
         return Err(Error::Unfit { file: record.file.clone(), why });
     }
     Ok(start)

@@ -39,7 +39,9 @@ impl Error {
     #[must_use]
     pub fn help(&self) -> Option<String> {
         match self {
-            Self::Missing { from, .. } => Some(format!("--data is the folder of the official files; they come from {from}")),
+            Self::Missing { from, .. } => {
+                Some(format!("--data is the folder of the official files; they come from {from}"))
+            }
             _ => None,
         }
     }

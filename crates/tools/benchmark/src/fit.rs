@@ -14,7 +14,8 @@ use std::ops::Range;
 
 /// A mass below this share of where it began is as good as none.
 const LEAST_MASS: f64 = 1e-3;
-/// Blocks of samples whose sums are taken for independent in a standard error.
+/// Most blocks of samples whose sums are taken for independent in a standard error. A block is a window at least: within
+/// one the error of a run grows.
 const BLOCKS: usize = 50;
 
 /// Parameters with their standard errors.
@@ -31,6 +32,20 @@ pub struct Fitted {
     pub evaluations: usize,
     /// The minimiser ended at a minimum.
     pub converged: bool,
+}
+
+impl Fitted {
+    /// Parameters from elsewhere, without standard errors.
+    #[must_use]
+    pub fn given(values: &[f64]) -> Self {
+        Self {
+            values: values.to_vec(),
+            std: vec![f64::NAN; values.len()],
+            rms: f64::NAN,
+            evaluations: 0,
+            converged: true,
+        }
+    }
 }
 
 /// Errors of free runs over `windows`, model less measured, m, without the samples that set the state.
@@ -60,7 +75,8 @@ pub fn fit(
     windows: &[Range<usize>],
     settling: usize,
 ) -> Fitted {
-    let problem = Problem { places, start, scales, record, windows, settling, at: DVector::zeros(places.len()) };
+    let problem =
+        Problem { places, start, scales, record, windows, settling, at: DVector::zeros(places.len()) };
     let (problem, report) = LevenbergMarquardt::new()
         .with_ftol(1e-9)
         .with_xtol(1e-7)
@@ -102,11 +118,8 @@ impl Problem<'_> {
 
     fn errors(&self) -> DVector<f64> {
         let plant = Plant::new(self.places, &self.values());
-        let runs: Vec<Vec<f64>> = self
-            .windows
-            .par_iter()
-            .map(|w| errors(&plant, &plant, self.record, w, self.settling))
-            .collect();
+        let runs: Vec<Vec<f64>> =
+            self.windows.par_iter().map(|w| errors(&plant, &plant, self.record, w, self.settling)).collect();
         DVector::from_vec(runs.concat())
     }
 
@@ -140,14 +153,21 @@ impl Problem<'_> {
         let Some(inverse) = jacobian.tr_mul(&jacobian).cholesky().map(|c| c.inverse()) else {
             return undetermined;
         };
-        let block = residuals.len().div_ceil(BLOCKS).max(1);
+        let window = if self.windows.len() > 1 { residuals.len() / self.windows.len() } else { 1 };
+        let block = residuals.len().div_ceil(BLOCKS).max(window).max(1);
         let mut middle = DMatrix::zeros(parameters, parameters);
         for first in (0..residuals.len()).step_by(block) {
             let rows = block.min(residuals.len() - first);
             let gradient = jacobian.rows(first, rows).tr_mul(&residuals.rows(first, rows));
             middle += &gradient * gradient.transpose();
         }
-        let covariance = &inverse * middle * &inverse;
+        // the residuals of as many blocks as there are parameters could vanish
+        let blocks = residuals.len().div_ceil(block) as f64;
+        let free = blocks - parameters as f64;
+        if !(free > 0.0) {
+            return undetermined;
+        }
+        let covariance = &inverse * middle * &inverse * (blocks / free);
         (0..parameters).map(|i| covariance[(i, i)].sqrt() * self.scales[i]).collect()
     }
 }

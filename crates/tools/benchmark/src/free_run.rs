@@ -42,7 +42,11 @@ pub fn free_run<S: Scalar>(
         for step in 0..steps {
             let recorded = drive.over(sample, step as f64 * share, share, plant.delay);
             let force = recorded.map(|f| plant.acting(f));
-            state = if dry { through_rest(plant, state, force, dt) } else { sliding(plant, state, force, dt, None) };
+            state = if dry {
+                through_rest(plant, state, force, dt)
+            } else {
+                sliding(plant, state, force, dt, None)
+            };
         }
         let inside = state.velocity.is_finite() && state.position.re().abs() <= bound;
         if !inside {

@@ -28,8 +28,7 @@ mod settle;
 pub mod silverbox;
 mod structure;
 
-
-pub use answer::{Answer, Figure, Parameter, SCHEMA, Test};
+pub use answer::{Answer, Compared, Figure, Force, Parameter, SCHEMA, Test};
 pub use data::Record;
 pub use drive::{Between, Drive};
 pub use error::Error;

@@ -114,7 +114,8 @@ impl Plant<f64> {
     #[must_use]
     pub fn lifted<S: Scalar>(&self) -> Plant<S> {
         let Coulomb { level_p, level_n, static_p, static_n, viscous_p, viscous_n } = self.law;
-        let effect = |e: &Effect<f64>| Effect { kind: e.kind, gains: e.gains.map(S::lit), shape: e.shape.map(S::lit) };
+        let effect =
+            |e: &Effect<f64>| Effect { kind: e.kind, gains: e.gains.map(S::lit), shape: e.shape.map(S::lit) };
         Plant {
             mass: S::lit(self.mass),
             law: Coulomb {

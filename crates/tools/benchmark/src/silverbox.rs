@@ -39,7 +39,10 @@ pub const STRUCTURE: Structure = Structure {
     terms: &[
         Term { name: "cubic spring", places: &[Place::Gain(EffectKind::NonlinearSpring, 0)] },
         Term { name: "quadratic spring", places: &[Place::Gain(EffectKind::NonlinearSpring, 1)] },
-        Term { name: "quadratic drag", places: &[Place::Gain(EffectKind::QuadraticDrag, 0), Place::Gain(EffectKind::QuadraticDrag, 1)] },
+        Term {
+            name: "quadratic drag",
+            places: &[Place::Gain(EffectKind::QuadraticDrag, 0), Place::Gain(EffectKind::QuadraticDrag, 1)],
+        },
         Term { name: "offset", places: &[Place::Gain(EffectKind::Offset, 0)] },
         Term { name: "time skew", places: &[Place::Delay] },
     ],
@@ -92,9 +95,8 @@ pub fn run(dir: &Path, with_gains: bool, progress: &(dyn Fn(f32, &str) + Sync)) 
     let record = read(dir)?;
     let gains = if with_gains {
         let pair = [(TRAIN.start..HELD_OUT.start, HELD_OUT)];
-        let judge = |found: &Found, span: &Range<usize>| {
-            1e3 * found.free_run_error(&record, span, PROTOCOL.settling)
-        };
+        let judge =
+            |found: &Found, span: &Range<usize>| 1e3 * found.free_run_error(&record, span, PROTOCOL.settling);
         gains(&STRUCTURE, &record, &pair, &PROTOCOL, &judge, progress)?
     } else {
         Vec::new()
@@ -106,7 +108,10 @@ pub fn run(dir: &Path, with_gains: bool, progress: &(dyn Fn(f32, &str) + Sync)) 
         benchmark: "silverbox",
         files: vec![record.file.clone()],
         protocol: vec![
-            format!("train {}:{}; each test begins in the state of its first 50 samples, which do not count,", TRAIN.start, TRAIN.end),
+            format!(
+                "train {}:{}; each test begins in the state of its first 50 samples, which do not count,",
+                TRAIN.start, TRAIN.end
+            ),
             "and is driven by the input alone, taken as band-limited between its samples".into(),
         ],
         units: "1 V of V1 is read as 1 N, 1 V of V2 as 1 m",
@@ -115,13 +120,13 @@ pub fn run(dir: &Path, with_gains: bool, progress: &(dyn Fn(f32, &str) + Sync)) 
         converged: found.fitted.converged,
         tests: test(&found, &record),
         force: Vec::new(),
+        compared: Vec::new(),
         gains,
         gains_are: format!(
             "free run on {}:{}, fitted to {}:{}, mV",
             HELD_OUT.start, HELD_OUT.end, TRAIN.start, HELD_OUT.start
         ),
         rivals: rivals::SILVERBOX.to_vec(),
-        force_rivals: Vec::new(),
         missing: None,
     })
 }
