@@ -196,9 +196,9 @@ impl Answer {
             out.push_str(&table.render());
         }
         if !self.force.is_empty() {
-            out.push_str("\n  Frozen model, force error on data that was not fitted, N rms\n");
-            let mut table =
-                Table::new(&["model and data", ">as recorded", ">behind the filter of the fit", "source"]);
+            out.push_str("\n  Frozen model, force error on data that was not fitted, N rms: as recorded, and behind the\n");
+            out.push_str("  low-pass of a fit\n");
+            let mut table = Table::new(&["model and data", ">recorded", ">filtered", "source"]);
             for f in &self.force {
                 table.row(cells(&f.name, &[f.recorded, f.filtered], f.source));
             }

@@ -23,8 +23,7 @@ const INSIDE: &[&str] = &["emps", "EMPS"];
 /// N/V, of the training file [janot-2019]; a file that has it is read with its own.
 const MAPS: &[&str] =
     &["time_s=t,position_m=qm,force_n=gtau*vir", "time_s=t,position_m=qm,force_n=35.15065188248547*vir"];
-const PUBLISHED: &str = "published five parameters";
-const PUBLISHED_ON_BOTH: &str = "published five parameters, fitted to both";
+const PUBLISHED_RUN: &str = "janot-2019, run here";
 const SOURCE: &str = "https://www.nonlinearbenchmark.org/benchmarks/emps";
 /// Shortest record that has two halves with both directions and every speed, samples.
 const SHORTEST: usize = 20_000;
@@ -121,6 +120,47 @@ pub fn force_error(found: &Found, record: &Record, span: &Range<usize>) -> Resul
     Ok([rms(&predicted, &signals.force), filtered])
 }
 
+/// Figures on data that was not fitted.
+#[derive(Default)]
+struct Judged {
+    tests: Vec<Test>,
+    force: Vec<Force>,
+    /// Of the same fit without the terms, and of the published parameters; mm.
+    compared: [Vec<f64>; 2],
+}
+
+impl Judged {
+    /// Judges a model that was fitted to the span `fitted` of `train` on the span `span` of `record`.
+    fn judge(
+        &mut self,
+        name: &'static str,
+        train: &Record,
+        fitted: &Range<usize>,
+        found: &Found,
+        record: &Record,
+        span: &Range<usize>,
+    ) -> Result<(), Error> {
+        let error = |found: &Found| 1e3 * found.free_run_error(record, span, PROTOCOL.settling);
+        let five = identified(STRUCTURE.core, train, fitted, &PROTOCOL)?;
+        let theirs = published();
+        for (model, found, source) in [
+            ("this model", found, "run here"),
+            ("five parameters, fitted likewise", &five, "run here"),
+            ("published five parameters", &theirs, PUBLISHED_RUN),
+        ] {
+            let [recorded, filtered] = force_error(found, record, span)?;
+            self.force.push(Force { name: format!("{model}, {name}"), recorded, filtered, source });
+        }
+        for (errors, found) in self.compared.iter_mut().zip([&five, &theirs]) {
+            errors.push(error(found));
+        }
+        let samples = span.len() - PROTOCOL.settling;
+        let official = !std::ptr::eq(train, record);
+        self.tests.push(Test { name, error: error(found), unit: "mm", samples, official });
+        Ok(())
+    }
+}
+
 /// The benchmark; `with_gains` refits the model without each of its terms.
 ///
 /// # Errors
@@ -140,38 +180,35 @@ pub fn run(dir: &Path, with_gains: bool, progress: &(dyn Fn(f32, &str) + Sync)) 
     progress(1.0, "fit to the whole training record");
     let whole = 0..record.len();
     let found = train(&record, &whole)?;
-    let theirs = published();
-    let mut tests = Vec::new();
-    let mut force = Vec::new();
-    let mut judge = |name: &'static str, found: &Found, record: &Record, span: &Range<usize>, official| {
-        let error = |found: &Found| 1e3 * found.free_run_error(record, span, PROTOCOL.settling);
-        for (model, found, source) in
-            [("this model", found, "run here"), (PUBLISHED, &theirs, "janot-2019, run here")]
-        {
-            let [recorded, filtered] = force_error(found, record, span)?;
-            force.push(Force { name: format!("{model}, {name}"), recorded, filtered, source });
-        }
-        let samples = span.len() - PROTOCOL.settling;
-        tests.push(Test { name, error: error(found), unit: "mm", samples, official });
-        Ok::<f64, Error>(error(&theirs))
-    };
     let mut files = vec![record.file.clone()];
-    let mut compared = Compared { method: PUBLISHED, errors: Vec::new(), source: "janot-2019, run here" };
+    let mut judged = Judged::default();
     let missing = if let Some(test) = &test {
         files.push(test.file.clone());
-        compared.errors.push(judge("pulses", &found, test, &(0..test.len()), true)?);
+        judged.judge("pulses", &record, &whole, &found, test, &(0..test.len()))?;
         None
     } else {
-        for (name, (fitted, judged)) in ["second half", "first half"].into_iter().zip(&crossed) {
-            compared.errors.push(judge(name, &train(&record, fitted)?, &record, judged, false)?);
+        for (name, (fitted, other)) in ["second half", "first half"].into_iter().zip(&crossed) {
+            judged.judge(name, &record, fitted, &train(&record, fitted)?, &record, other)?;
         }
-        compared.method = PUBLISHED_ON_BOTH;
+        let folder = dir.display();
         Some(format!(
-            "{} is not in {}: each half is fitted and run on the other instead.",
-            TEST_FILE[0],
-            dir.display()
+            "{} is not in {folder}:\n  each half is fitted and run on the other instead",
+            TEST_FILE[0]
         ))
     };
+    let [same_fit, theirs] = judged.compared;
+    let compared = vec![
+        Compared { method: "five parameters, fitted likewise", errors: same_fit, source: "run here" },
+        Compared {
+            method: if missing.is_some() {
+                "published five, fitted to both"
+            } else {
+                "published five parameters"
+            },
+            errors: theirs,
+            source: PUBLISHED_RUN,
+        },
+    ];
     Ok(Answer {
         schema: SCHEMA,
         benchmark: "emps",
@@ -190,9 +227,9 @@ pub fn run(dir: &Path, with_gains: bool, progress: &(dyn Fn(f32, &str) + Sync)) 
             unit: "mm",
         },
         converged: found.fitted.converged,
-        tests,
-        force,
-        compared: vec![compared],
+        tests: judged.tests,
+        force: judged.force,
+        compared,
         gains,
         gains_are: "free run over the windows of the half not fitted, mm".into(),
         rivals: rivals::EMPS.to_vec(),

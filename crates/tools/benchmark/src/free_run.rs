@@ -76,7 +76,7 @@ fn through_rest<S: Scalar>(plant: &Plant<S>, mut state: State<S>, force: [S; 3],
         let share = state.velocity / (state.velocity - end.velocity);
         let stop = sliding(plant, state, force, left * share, Some(way));
         state = State { position: stop.position, velocity: zero };
-        left = left * (S::one() - share);
+        left *= S::one() - share;
     }
     state
 }

@@ -51,7 +51,9 @@ pub enum Stage {
 impl Stage {
     fn windows(self, span: &Range<usize>) -> Vec<Range<usize>> {
         match self {
-            Self::Beginning(samples) => vec![span.start..span.end.min(span.start + samples)],
+            Self::Beginning(samples) => {
+                Self::Whole.windows(&(span.start..span.end.min(span.start + samples)))
+            }
             Self::Whole => vec![span.clone()],
             Self::Windows(samples) => {
                 let samples = samples.clamp(1, span.len().max(1));

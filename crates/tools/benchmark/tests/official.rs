@@ -14,7 +14,8 @@ static EMPS: Need = Need::new(|| recordings("emps/DATA_EMPS.mat").err());
 fn main() -> ExitCode {
     untested::run!(
         tests![silverbox_free_run_is_within_its_bars].needing(&SILVERBOX),
-        tests![emps_free_run_on_the_half_left_out].needing(&EMPS),
+        tests![emps_free_run_on_the_half_left_out, the_official_test_file_is_run_when_it_is_there]
+            .needing(&EMPS),
     )
 }
 
@@ -61,4 +62,25 @@ fn emps_free_run_on_the_half_left_out() {
     }
     // the offset of the force is another one in the other half; no structure took this below 5.7 mm
     assert!(squares.sqrt() < 6.5, "{} mm", squares.sqrt());
+}
+
+fn the_official_test_file_is_run_when_it_is_there() {
+    let dir = tempfile::tempdir().unwrap();
+    let official = recordings("emps/DATA_EMPS.mat").unwrap();
+    std::fs::copy(&official, dir.path().join("DATA_EMPS.mat")).unwrap();
+    // stands in for the record that is kept back
+    std::fs::copy(&official, dir.path().join("DATA_EMPS_PULSES.mat")).unwrap();
+    let answer = emps::run(dir.path(), false, &|_, _| ()).unwrap();
+    let text = answer.describe();
+    println!("{text}");
+    assert_eq!((answer.tests.len(), answer.tests[0].official, answer.missing.clone()), (1, true, None));
+    // what was fitted, run in one piece
+    assert!(answer.tests[0].error < 3.0);
+    let folder = dir.path().display().to_string();
+    let wide = text.lines().filter(|l| l.chars().count() > 100 && !l.contains(&folder));
+    assert_eq!(wide.collect::<Vec<_>>(), Vec::<&str>::new());
+    let json = serde_json::to_value(&answer).unwrap();
+    assert_eq!(json["schema"], "tribos.benchmark/1");
+    assert_eq!(json["parameters"].as_array().unwrap().len(), 10);
+    assert!(json["parameters"][0]["value"].as_f64().unwrap() > 90.0);
 }
