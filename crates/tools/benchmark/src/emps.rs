@@ -33,8 +33,8 @@ pub const WINDOW: usize = 500;
 /// How the model is fitted.
 pub const PROTOCOL: Protocol = Protocol { settling: 20, stages: &[Stage::Windows(WINDOW)] };
 
-/// Structure of the model; the terms were chosen on halves of the training record. Stribeck, sublinear viscous friction,
-/// quadratic drag, lag and delay lower the error on the half that is fitted, and not on the other.
+/// Structure of the model; the terms were chosen on halves of the training record. Stribeck friction, sublinear viscous
+/// friction and quadratic drag lower the error of the half that is fitted, and not of the other.
 pub const STRUCTURE: Structure = Structure {
     core: &[
         Place::Mass,
