@@ -48,7 +48,8 @@ impl Fitted {
     }
 }
 
-/// Errors of free runs over `windows`, model less measured, m, without the samples that set the state.
+/// Errors of a free run over a window, model less measured, m, without the samples that set the state. None of a window
+/// that is shorter, or beyond the record.
 pub(crate) fn errors<S: Scalar>(
     plant: &Plant<S>,
     value: &Plant<f64>,
@@ -56,6 +57,10 @@ pub(crate) fn errors<S: Scalar>(
     window: &Range<usize>,
     settling: usize,
 ) -> Vec<S> {
+    let window = &(window.start..window.end.min(record.len()));
+    if window.len() <= settling.max(2) {
+        return Vec::new();
+    }
     let start = settled(plant, value, record, window, settling);
     let run = free_run(plant, &record.drive, window.start, window.len(), start, record.bound);
     let measured = &record.position[window.clone()];

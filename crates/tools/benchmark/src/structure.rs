@@ -147,7 +147,7 @@ impl Found {
     }
 }
 
-/// Root mean square error of free runs over windows, m.
+/// Root mean square error of free runs over windows, m; not a number where no sample counts.
 pub(crate) fn free_run_error(
     plant: &Plant<f64>,
     record: &Record,
@@ -155,7 +155,7 @@ pub(crate) fn free_run_error(
     settling: usize,
 ) -> f64 {
     let runs: Vec<f64> = windows.iter().flat_map(|w| errors(plant, plant, record, w, settling)).collect();
-    signals::rms(&runs)
+    if runs.is_empty() { f64::NAN } else { signals::rms(&runs) }
 }
 
 /// Held-out error of the whole structure, and of the structure without each of its terms.
