@@ -1,7 +1,7 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    compare, connect, convert, demo, design, design_args, diagnose, experiment, figures, identify,
+    benchmark, compare, connect, convert, demo, design, design_args, diagnose, experiment, figures, identify,
     investigate, lab, predict, preset, prove, record, simulate,
 };
 use crate::failure::{Outcome, Result};
@@ -47,6 +47,8 @@ enum Command {
     Experiment(experiment::Args),
     /// Prove on sealed recordings that concealed effects are found, and nothing else
     Prove(prove::Args),
+    /// Run a public benchmark of system identification by its official protocol, beside published rivals
+    Benchmark(benchmark::Args),
     /// Convert a recording: csv, mat (v5) in; csv, mat, mcap out
     Convert(convert::Args),
 }
@@ -72,6 +74,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Figures(args) => figures::run(args),
         Command::Experiment(args) => experiment::run(args),
         Command::Prove(args) => prove::run(args),
+        Command::Benchmark(args) => benchmark::run(args),
         Command::Convert(args) => convert::run(args),
     }
 }

@@ -122,7 +122,14 @@ macro_rules! with_help {
     };
 }
 
-with_help!(client::Error, compare::Error, perception::study::Error, procedures::Error, prove::Error);
+with_help!(
+    benchmark::Error,
+    client::Error,
+    compare::Error,
+    perception::study::Error,
+    procedures::Error,
+    prove::Error
+);
 
 /// What went wrong, where nothing more can be said.
 macro_rules! plain {

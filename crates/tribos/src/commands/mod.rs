@@ -1,5 +1,6 @@
 //! One file a subcommand: its options and what it does.
 
+pub mod benchmark;
 pub mod compare;
 pub mod connect;
 pub mod convert;
