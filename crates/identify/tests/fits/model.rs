@@ -2,7 +2,7 @@
 
 use crate::recorded;
 use friction::effects::{Effect, EffectKind, SeriesEffect, SeriesKind};
-use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
+use friction::{Coordinate, Coulomb, Dahl, Factor, FreeForm, Karnopp, Knots, Law, LuGre};
 use haptics::{Device, Settings};
 use identify::{Coupling, KarnoppOptions, Model, Nuisances, Preprocess, identify_karnopp, prepare};
 use plant::ThesisExperiment;
@@ -28,6 +28,61 @@ fn stribeck(force: f64) -> Effect<f64> {
         *effect.get_mut(p.name).unwrap() = (p.min * p.max).sqrt().clamp(p.min, p.max);
     }
     effect
+}
+
+/// A bump of 0.3 N over position.
+fn bump() -> FreeForm<f64> {
+    let knots = Knots::new(&[-0.01, 0.0, 0.01]).unwrap();
+    FreeForm::curve(Coordinate::Position, Factor::Direction, knots, &[0.0, 0.3, 0.0]).unwrap()
+}
+
+/// 40 N/m times the position, in both directions of time.
+fn map() -> FreeForm<f64> {
+    let (x, t) = (Knots::new(&[-0.01, 0.01]).unwrap(), Knots::new(&[0.0, 1.5, 9.0]).unwrap());
+    let flat = FreeForm::curve(Coordinate::Position, Factor::One, x, &[0.0; 2]).unwrap();
+    flat.map(Coordinate::Time, t, &[-0.4, -0.4, -0.4, 0.4, 0.4, 0.4]).unwrap()
+}
+
+#[test]
+fn a_free_form_adds_its_force() {
+    let r = moved(2000);
+    let plain = rubber().predict(&r).unwrap();
+    let with = Model { curves: vec![map()], ..rubber() }.predict(&r).unwrap();
+    let worst = (100..1900).map(|i| (with[i] - plain[i] - 40.0 * r.position[i]).abs()).fold(0.0, f64::max);
+    println!("map within {worst:.1e} N");
+    assert!(worst < 1e-3);
+}
+
+#[test]
+fn a_wrong_free_form_is_named_with_its_place() {
+    let file = |curve: &str| {
+        let text = format!("{}\n[[curve]]\n{curve}", rubber().to_toml());
+        Model::from_toml("model.toml", &text).expect_err("refused").to_string()
+    };
+    for (curve, why) in [
+        (
+            "over = \"height\"\nknots = [0, 1]\nvalues = [0, 1]",
+            "curve.over = \"height\": accepted: position,",
+        ),
+        ("knots = [0, 1]\nvalues = [0, 1]", "[[curve]] has no over"),
+        ("over = \"position\"\nknots = [1, 0]\nvalues = [0, 1]", "curve.knots: knots = 0: accepted from 1"),
+        (
+            "over = \"position\"\nknots = [0, 1]\nvalues = [0]",
+            "curve.values: values = 1: accepted from 2 to 2",
+        ),
+        (
+            "over = \"position\"\nknots = [0, nan]\nvalues = [0, 1]",
+            "curve.knots: accepted is a list of finite",
+        ),
+        (
+            "over = \"position\"\nknots = [0, 1]\nvalues = [0, 1]\nheight = 1",
+            "curve.height: accepted are over,",
+        ),
+    ] {
+        let said = file(curve);
+        println!("{said}");
+        assert!(said.contains(why) && said.contains("model.toml"), "{said}");
+    }
 }
 
 #[test]
@@ -75,6 +130,7 @@ fn a_file_gives_back_an_equal_model() {
             ..Model::default()
         };
         model.set_effect(stribeck(0.3));
+        model.curves = vec![bump(), map()];
         model.std.insert("mass".into(), 1.25e-3);
         let text = model.to_toml();
         let back = Model::from_toml("text", &text).unwrap_or_else(|e| panic!("{e}\n{text}"));

@@ -116,7 +116,10 @@ pub(crate) fn plan(extent: &Extent) -> Vec<Planned> {
         }
         purposes.extend(DECOYS.iter().map(|d| (Purpose::Decoy(d), extent.seeds)));
     }
-    purposes.push((Purpose::Null, extent.seeds * if extent.companions || extent.open { 10 } else { 1 }));
+    purposes.push((
+        Purpose::Null,
+        extent.seeds * if extent.companions || (extent.open && extent.effects.is_empty()) { 10 } else { 1 },
+    ));
     let mut random = ChaCha8Rng::seed_from_u64(extent.seed);
     let mut planned: Vec<Planned> = purposes
         .iter()

@@ -1,0 +1,44 @@
+//! The open world in small: forces that are in nobody's catalogue, hidden by the prover's own plant.
+
+use prove::{Extent, Run};
+use serde_json::Value;
+
+fn cases(name: &str, effects: &[&str]) -> Vec<Value> {
+    let folder = std::env::temp_dir().join(format!("tribos-open-{name}-{}", std::process::id()));
+    let extent = Extent {
+        seeds: 1,
+        seed: 12,
+        strengths: vec![3.0],
+        seconds: 16.0,
+        effects: effects.iter().map(|e| (*e).to_string()).collect(),
+        companions: false,
+        open: true,
+    };
+    let quiet = |_: &str, _: usize, _: usize| {};
+    let run = Run::begin(&folder, extent).unwrap();
+    run.seal(&quiet).unwrap();
+    run.answer(|| true, &quiet).unwrap();
+    let (proof, answered) = run.open_labels(&quiet).unwrap().expect("answered");
+    assert_eq!(answered, run.count());
+    println!("{}", proof.describe());
+    let text = std::fs::read_to_string(folder.join("prove.json")).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let proof: Value = serde_json::from_str(&text).unwrap();
+    proof["cases"].as_array().unwrap().clone()
+}
+
+#[test]
+fn what_is_in_nobodys_catalogue_is_a_curve_that_predicts_the_next_motion() {
+    let effects = ["one_sided_spring", "random_position_friction", "eddy_current_brake"];
+    for case in cases("curve", &effects) {
+        let named: Vec<&str> = case["named"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+        if case["kind"] == "null" {
+            assert!(named.is_empty(), "nothing is hidden: {named:?}");
+            continue;
+        }
+        assert_eq!(named, ["unnamed"], "{}", case["hidden"]);
+        assert_eq!(case["located"], true, "{}", case["hidden"]);
+        let explained = case["explained"].as_f64().unwrap();
+        assert!(explained > 0.9, "{}: {explained:.3} of the next motion", case["hidden"]);
+    }
+}
