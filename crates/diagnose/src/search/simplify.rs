@@ -73,12 +73,13 @@ impl Search<'_> {
         let Some((i, kind)) = best.atoms.iter().enumerate().find_map(|(i, a)| Some((i, rather(a)?))) else {
             return best;
         };
-        if best.has(kind) {
-            return best;
-        }
         let mut others = best.atoms.clone();
         others.remove(i);
         let without = Hypothesis::new(self.design, others);
+        if best.has(kind) {
+            // two of a kind: the other one takes its part
+            return without.map_or(best, |h| self.rather(self.refine(h, ROUGH)));
+        }
         let rivals = self.catalogue.testable().into_iter().filter(|a| a.term.kind == kind).filter_map(|a| {
             let mut atoms = best.atoms.clone();
             atoms[i] = a.clone();
