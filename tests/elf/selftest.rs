@@ -26,6 +26,8 @@ pub fn selftest_names_each_wiring_error() {
     ] {
         board.machine.rewire(wiring);
         board.run(50.0);
+        // an exchanged encoder has jumped: the origin is lost
+        board.ok("zero");
         let lines = board.ask("selftest");
         println!("{name:<22} {}", lines[0]);
         for line in lines.iter().filter(|line| line.contains("FAIL")) {
