@@ -32,7 +32,7 @@ impl Rendered {
         let config = Settings::brass().build(&device).expect("preset within the bounds");
         let rig_config = RigConfig { substeps, block_mass: 0.0, ..RigConfig::default() };
         let rig = Rig::new(rig_config, Custom((|_| 0.0) as Surface), 1).expect("thesis rig");
-        let mut control = Control::new(config);
+        let mut control = Control::referenced(config);
         control.step(Some(&Request::Render(true)), &inputs(&rig.sensors()));
         // slides, turns and sticks: 8 mm to and fro, once a second
         let target = Target::Sine { centre: 0.0, amplitude: 0.008, frequency: 1.0 };

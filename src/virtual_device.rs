@@ -5,6 +5,7 @@ mod plain;
 mod pty;
 mod screen;
 
+use haptics::ModeId;
 use link::{Decoder, Item};
 use pty::Pty;
 use std::io::IsTerminal;
@@ -23,6 +24,8 @@ The tribos firmware on a simulated rig: commands on standard input, and on a pse
 
 `help` lists the commands of the device. `cargo tribos demo` tells the whole story.";
 
+/// Longest continuation of a motion, s.
+const FINISH_S: f64 = 120.0;
 /// Longest time to catch up after the PC was busy. The rest is skipped.
 const CATCH_UP: Duration = Duration::from_millis(250);
 
@@ -122,6 +125,16 @@ impl Running {
                 break;
             }
         }
+        std::mem::take(&mut self.lines)
+    }
+
+    /// Advances as fast as possible until a motion ends. Returns the lines of this time.
+    fn finish(&mut self, is_running: impl Fn(ModeId) -> bool) -> Vec<String> {
+        let mut left = 0..(FINISH_S / self.period.as_secs_f64()) as u64;
+        while (is_running(self.device.mode()) || !self.device.is_quiet()) && left.next().is_some() {
+            self.tick();
+        }
+        self.carry();
         std::mem::take(&mut self.lines)
     }
 

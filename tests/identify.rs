@@ -29,7 +29,7 @@ fn identify(material: &Material, seed: u64) -> String {
     (config.rig.accel.gain, config.rig.accel.offset) = (0.94, 0.5);
     let mut device = VirtualDevice::new(&config).expect("the rig");
     device.set_block(material.mass, material.law, &[]).expect("printed parameters");
-    device.write(b"identify\n");
+    device.write(b"zero\nidentify\n");
     let mut heard = Vec::new();
     for _ in 0..13_500 {
         device.tick();
@@ -77,7 +77,7 @@ fn identification_scatter_matches_its_standard_errors() {
 fn what_was_identified_is_rendered_at_once() {
     let mut device = VirtualDevice::new(&VirtualConfig::default()).expect("the rig");
     device.set_block(RUBBER.mass, RUBBER.law, &[]).expect("printed parameters");
-    device.write(b"identify\n");
+    device.write(b"zero\nidentify\n");
     for _ in 0..13_500 {
         device.tick();
     }

@@ -136,7 +136,7 @@ fn piped_commands_are_answered() {
         .spawn()
         .expect("the virtual device");
     let mut stdin = child.stdin.take().expect("piped");
-    stdin.write_all(b"preset list\npreset use rubber\nrender on\nstatus").expect("input");
+    stdin.write_all(b"preset list\nzero\npreset use rubber\nrender on\nstatus").expect("input");
     drop(stdin);
     let output = child.wait_with_output().expect("an end");
     let text = String::from_utf8(output.stdout).expect("text");

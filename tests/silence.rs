@@ -94,6 +94,7 @@ fn device(rig: RigConfig, seed: u64) -> VirtualDevice {
     for _ in 0..500 {
         device.tick();
     }
+    say(&mut device, "zero");
     device
 }
 
@@ -165,6 +166,7 @@ fn early_motion_is_no_dead_encoder() {
         for seed in 0..25 {
             let mut device = VirtualDevice::new(&VirtualConfig { seed, rig }).expect("a rig");
             say(&mut device, "sim block rubber");
+            say(&mut device, "zero");
             say(&mut device, "move sine 0.005 2");
             let run = run(&mut device, 500);
             assert_eq!(run.fault, None, "seed {seed}");

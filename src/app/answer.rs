@@ -5,7 +5,7 @@ use super::calibrate::{Fits, describe};
 use core::fmt::{self, Write};
 use friction::Unit;
 use haptics::number::Text;
-use haptics::{Denied, Device, Excitation, FaultKind, Identified, ModeId, Settings, Warning};
+use haptics::{Denied, Device, Excitation, FaultKind, Homed, Identified, ModeId, Settings, Warning};
 use heapless::String;
 use link::{Name, Sensor};
 
@@ -26,8 +26,12 @@ pub(super) enum Pending {
     Push,
     /// A new control rate: the device with its period.
     Rate(Device),
-    /// `render`
-    Render(bool),
+    /// `render`, with the largest force of an unreferenced device, N
+    Render(bool, Option<f32>),
+    /// `zero`
+    Zero,
+    /// `home`
+    Home,
     /// `move`, with the longest silence of the host, s
     Move(Excitation, f32),
     /// `identify`, with its length, s
@@ -70,7 +74,14 @@ impl Pending {
             }
             Self::Push => Ok(()),
             Self::Rate(device) => write!(out, "ok rate {:.0} Hz", Text(1.0 / device.period)),
-            Self::Render(on) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
+            Self::Render(true, Some(most)) => write!(
+                out,
+                "ok warn: unreferenced: at most {:.2} N; `home`, or `zero` in the middle, gives all of it",
+                Text(*most)
+            ),
+            Self::Render(on, _) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
+            Self::Zero => out.write_str("ok zero: the handle is in the middle of its stroke"),
+            Self::Home => out.write_str("ok home: slowly to both stops, hands off; the result follows"),
             Self::Move(e, watch) => {
                 let (wave, amplitude, frequency) = (e.wave.id(), Text(e.amplitude_m), Text(e.frequency_hz));
                 write!(out, "ok move {wave} {amplitude} m {frequency} Hz")?;
@@ -101,6 +112,7 @@ fn stopped(during: ModeId) -> &'static str {
         ModeId::Idle => "nothing was running",
         ModeId::Rendering => "rendering has ended, the amplifier is off",
         ModeId::Exciting | ModeId::Identifying => "the motion ramps out within 0.6 s",
+        ModeId::Homing => "the search has ended, the amplifier is off",
         ModeId::Fault => "the amplifier is off already, by a fault",
     }
 }
@@ -111,6 +123,7 @@ fn switched_off(during: ModeId) -> &'static str {
         ModeId::Idle => "the amplifier is off, nothing was running",
         ModeId::Rendering => "the amplifier is off, rendering has ended",
         ModeId::Exciting => "the amplifier is off, the motion has ended",
+        ModeId::Homing => "the amplifier is off, the search has ended",
         ModeId::Identifying => "the amplifier is off, the identification has ended without a result",
         ModeId::Fault => "the amplifier is off already, by a fault",
     }
@@ -170,6 +183,36 @@ pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Res
         if o.stuck { "stuck" } else { "free" },
         Text(o.force),
     )
+}
+
+/// The result of a search for the stops in one line.
+pub(super) fn homed(homed: Homed, device: &Device, out: &mut Line) -> fmt::Result {
+    let millimetre = |metre: f32| Text(1e3 * metre);
+    if let Homed::Middle { stroke } = homed {
+        let stroke = millimetre(stroke);
+        return write!(out, "! home: stroke {stroke:.2} mm, the handle is in the middle");
+    }
+    out.write_str("! no home: ")?;
+    match homed {
+        Homed::Stroke { measured } => {
+            let (least, most) = Homed::accepted(device);
+            let (measured, least, most) = (millimetre(measured), millimetre(least), millimetre(most));
+            write!(
+                out,
+                "stops {measured:.2} mm apart: accepted from {least:.2} to {most:.2}; remove what blocks the handle, hands off"
+            )?;
+        }
+        Homed::NoStop => {
+            let (_, most) = Homed::accepted(device);
+            write!(out, "no stop within {:.2} mm: this is not the device's stroke", millimetre(most))?;
+        }
+        Homed::TooFast => out.write_str(
+            "the handle moved faster than a search; hands off, and check the wiring by `zero` and `selftest`",
+        )?,
+        Homed::TooLong => out.write_str("it took too long; remove what blocks the handle, hands off")?,
+        Homed::Interrupted | Homed::Middle { .. } => out.write_str("interrupted")?,
+    }
+    out.write_str("; still unreferenced")
 }
 
 /// The result of an identification in one line.

@@ -1,6 +1,6 @@
 //! The application in the control interrupt.
 
-use super::{ControlEnds, FaultReport, Handled, Telemetry};
+use super::{ControlEnds, FaultReport, Handled, OriginReport, Telemetry};
 use haptics::streaming_identify::NUMBERS;
 use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
 
@@ -15,6 +15,8 @@ pub struct ControlLoop {
     state: State,
     step: u32,
     mode: ModeId,
+    /// Origin of the last report.
+    origin: u32,
     /// Numbers of a completed identification that are still to be sent.
     numbers: u16,
     /// Waiting requests that `off` overtook.
@@ -32,6 +34,7 @@ impl ControlLoop {
             replaced: false,
             step: 0,
             mode: ModeId::Idle,
+            origin: 0,
             numbers: 0,
             overtaken: 0,
         }
@@ -61,13 +64,15 @@ impl ControlLoop {
         let request = if off { Some(&Request::Off) } else { raise.as_ref() };
         let request = request.or(if overtaken { None } else { asked });
         let outputs = step(config, &mut self.state, request, inputs);
-        if taken {
-            let _ = ends.requests.dequeue();
-            self.overtaken = self.overtaken.saturating_sub(1);
-        }
         if answered {
             let denied = if overtaken { Some(Denied::SwitchedOff) } else { outputs.denied };
             let _ = ends.answer.enqueue(Handled { denied, during: self.mode });
+        }
+        if taken {
+            let _ = ends.requests.dequeue();
+            self.overtaken = self.overtaken.saturating_sub(1);
+            // `zero` changes the origin, not the mode
+            self.tell_change(ends, &outputs);
         }
         if outputs.identified {
             self.numbers = NUMBERS as u16;
@@ -80,10 +85,20 @@ impl ControlLoop {
         {
             self.numbers -= 1;
         }
-        if outputs.mode == ModeId::Fault
-            && self.mode != ModeId::Fault
-            && let Some(fault) = self.state.fault()
-        {
+        if outputs.mode != self.mode {
+            self.tell_change(ends, &outputs);
+        }
+        let _ = ends.tell.enqueue(Telemetry { step: self.step, inputs: *inputs, outputs });
+        self.step = self.step.wrapping_add(1);
+        outputs
+    }
+
+    /// Reports a fault, and the origin if it is another. Out of the way of a contact.
+    #[inline(never)]
+    fn tell_change(&mut self, ends: &mut ControlEnds<'_>, outputs: &Outputs) {
+        let changed = outputs.mode != self.mode;
+        let mut homed = None;
+        if let (true, ModeId::Fault, Some(fault)) = (changed, outputs.mode, self.state.fault()) {
             let report = FaultReport {
                 kind: fault.kind,
                 step: self.step,
@@ -93,11 +108,14 @@ impl ControlLoop {
                 force: fault.force,
             };
             let _ = ends.report.enqueue(report);
+        } else if changed && self.mode == ModeId::Homing {
+            homed = Some(self.state.homed());
         }
-        self.mode = outputs.mode;
-        let _ = ends.tell.enqueue(Telemetry { step: self.step, inputs: *inputs, outputs });
-        self.step = self.step.wrapping_add(1);
-        outputs
+        let origin = self.state.origin();
+        if homed.is_some() || origin != self.origin {
+            let _ = ends.refer.enqueue(OriginReport { step: self.step, origin, homed });
+        }
+        (self.mode, self.origin) = (outputs.mode, origin);
     }
 
     /// Switches to the configuration that the tasks have sent, if any.

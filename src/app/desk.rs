@@ -7,7 +7,7 @@ use super::calibrate::{Calibration, describe};
 use super::listing::Listing;
 use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
-use super::{DeskEnds, FaultReport, Handled, Output, Telemetry};
+use super::{DeskEnds, FaultReport, Handled, OriginReport, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
@@ -54,6 +54,9 @@ pub struct Desk {
     solver: Solver,
     stream: Option<Stream>,
     last: Option<Telemetry>,
+    /// Encoder count at position 0, and that of a coming control period.
+    origin: u32,
+    next_origin: Option<OriginReport>,
     fault: Option<FaultReport>,
     /// A person cleared the fault; the board must learn of it.
     cleared: bool,
@@ -89,6 +92,8 @@ impl Desk {
             solver: Solver::new(&device, &Procedure::default()),
             stream: None,
             last: None,
+            origin: 0,
+            next_origin: None,
             fault: None,
             cleared: false,
             unseen: 0,
@@ -174,6 +179,8 @@ impl Desk {
                 self.handled(&handled);
             } else if let Some(fault) = ends.faults.dequeue() {
                 self.faulted(&fault);
+            } else if let Some(report) = ends.origins.dequeue() {
+                self.referred(&report);
             } else if let Some(number) = ends.numbers.dequeue() {
                 self.identified(&number);
             } else {
@@ -211,7 +218,7 @@ impl Desk {
     /// Passes on the promise of a host that drives the handle: the loop withdraws force when no bytes come.
     fn promise(&mut self, now: u32, ends: &mut DeskEnds<'_>) {
         let due = self.heard && now.wrapping_sub(self.promised_ms) >= PROMISE_MS;
-        if due && self.last.is_some_and(|t| is_driven(t.outputs.mode)) {
+        if due && self.last.is_some_and(|t| t.outputs.mode.is_driven()) {
             // no room: the next poll tries again
             self.heard = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s }).is_err();
             self.promised_ms = now;
@@ -281,6 +288,14 @@ impl Desk {
         self.say(&line);
     }
 
+    fn referred(&mut self, report: &OriginReport) {
+        self.next_origin = Some(*report);
+        let Some(homed) = report.homed else { return };
+        let mut line = Line::new();
+        let _ = answer::homed(homed, &self.device, &mut line);
+        self.say(&line);
+    }
+
     fn identified(&mut self, number: &Number) {
         let Some(result) = self.solver.take(number) else { return };
         let mut line = Line::new();
@@ -309,7 +324,8 @@ impl Desk {
         if let Some(last) = &self.last {
             self.unseen = self.unseen.saturating_add(telemetry.step.wrapping_sub(last.step).wrapping_sub(1));
             if self.selftest.is_none()
-                && is_driven(last.outputs.mode)
+                // a search tells its own end
+                && matches!(last.outputs.mode, ModeId::Exciting | ModeId::Identifying)
                 && telemetry.outputs.mode == ModeId::Idle
                 && self.output.fits_line(answer::LINE)
             {
@@ -319,8 +335,13 @@ impl Desk {
             }
         }
         self.last = Some(*telemetry);
+        // the report of a step is here before its telemetry
+        let due = |next: &OriginReport| telemetry.step.wrapping_sub(next.step) as i32 >= 0;
+        if let Some(next) = self.next_origin.take_if(|next| due(next)) {
+            self.origin = next.origin;
+        }
         if let Some(stream) = &mut self.stream {
-            stream.take(telemetry, &self.device, &mut self.output);
+            stream.take(telemetry, self.origin, &self.device, &mut self.output);
         }
         if let Some(line) = self.calibration.take(telemetry, &self.device) {
             self.say(&line);
@@ -433,7 +454,13 @@ impl Desk {
             Command::Get(Some(name)) => self.get(name),
             Command::Preset(command) => self.preset_command(command, now, ends, board),
             Command::Set { name, value } => self.set(name, value, now, ends),
-            Command::Render(on) => self.ask(Request::Render(on), Pending::Render(on), now, ends),
+            Command::Render(on) => {
+                let limited = self.last.is_some_and(|t| !t.outputs.referenced);
+                let most = limited.then(|| self.device.unreferenced_force());
+                self.ask(Request::Render(on), Pending::Render(on, most), now, ends);
+            }
+            Command::Zero => self.ask(Request::Zero, Pending::Zero, now, ends),
+            Command::Home => self.drive(Request::Home, Pending::Home, now, ends),
             Command::Move(excitation) => match excitation.validate(&self.device) {
                 Ok(()) => {
                     let pending = Pending::Move(excitation, self.watch_s);
@@ -461,9 +488,12 @@ impl Desk {
             Command::Calibrate(step) => self.calibrate(step, now, ends, board),
             Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", Text(1.0 / self.device.period))),
             Command::Rate(Some(hz)) => self.rate(hz, now, ends),
-            Command::SelfTest => match self.last.map(|t| t.outputs.mode) {
-                Some(ModeId::Idle) => self.selftest = Some(SelfTest::default()),
-                Some(mode) => {
+            Command::SelfTest => match self.last.map(|t| (t.outputs.mode, t.outputs.referenced)) {
+                Some((ModeId::Idle, true)) => self.selftest = Some(SelfTest::default()),
+                Some((ModeId::Idle, false)) => {
+                    self.err(Denied::Unreferenced.id(), Denied::Unreferenced.explain());
+                }
+                Some((mode, _)) => {
                     self.err("BUSY", format_args!("{}; accepted while idle: `stop` first", mode.id()))
                 }
                 None => self.err("NO_ANSWER", "the control loop is not running"),
@@ -573,7 +603,8 @@ impl Desk {
             return self.err("NO_ANSWER", "the control loop is not running");
         };
         let changed = if self.changed { " (changed)" } else { "" };
-        let _ = write!(line, "ok {}, preset {}{changed}, ", t.outputs.mode.id(), self.preset);
+        let unreferenced = if t.outputs.referenced { "" } else { ", unreferenced" };
+        let _ = write!(line, "ok {}{unreferenced}, preset {}{changed}, ", t.outputs.mode.id(), self.preset);
         let _ = answer::handle(&t, &self.device, &mut line);
         let (step, late, unseen) = (t.step, board.late_steps(), self.unseen);
         let _ = write!(line, ", step {step}, {late} late, {unseen} missed by the console");
@@ -614,10 +645,8 @@ fn moment(f: &FaultReport, line: &mut Line) -> core::fmt::Result {
 
 /// Whether a command switches the force on.
 fn switches_force_on(command: &Command<'_>) -> bool {
-    matches!(command, Command::Render(true) | Command::Move(_) | Command::Identify | Command::SelfTest)
-}
-
-/// Whether the device moves the handle for a host.
-fn is_driven(mode: ModeId) -> bool {
-    matches!(mode, ModeId::Exciting | ModeId::Identifying)
+    matches!(
+        command,
+        Command::Render(true) | Command::Move(_) | Command::Identify | Command::Home | Command::SelfTest
+    )
 }

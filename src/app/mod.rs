@@ -15,7 +15,7 @@ pub use desk::Desk;
 pub use off::{Listener, OffSwitch};
 pub use output::Output;
 
-use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Number, Outputs, Request};
+use haptics::{Config, Denied, FaultKind, Homed, Inputs, ModeId, Number, Outputs, Request};
 use heapless_spsc::spsc::{Consumer, Producer, Queue};
 
 /// One control period, for the tasks.
@@ -36,6 +36,17 @@ pub struct Handled {
     pub denied: Option<Denied>,
     /// Mode before the request.
     pub during: ModeId,
+}
+
+/// A new origin of the position, or the end of a search for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OriginReport {
+    /// Control step from which on it holds.
+    pub step: u32,
+    /// Encoder count at position 0.
+    pub origin: u32,
+    /// Result of the search that ended.
+    pub homed: Option<Homed>,
 }
 
 /// A fault with its time and motion.
@@ -77,6 +88,7 @@ const CONFIGS: usize = 3;
 const ANSWERS: usize = 4;
 const FAULTS: usize = 4;
 const NUMBERS: usize = 8;
+const ORIGINS: usize = 4;
 
 /// Queues between interrupt and tasks, lock-free with one writer and one reader each.
 #[derive(Default)]
@@ -86,6 +98,7 @@ pub struct Queues {
     answers: Queue<Handled, ANSWERS>,
     faults: Queue<FaultReport, FAULTS>,
     numbers: Queue<Number, NUMBERS>,
+    origins: Queue<OriginReport, ORIGINS>,
     telemetry: Queue<Telemetry, TELEMETRY>,
     off: OffSwitch,
 }
@@ -104,10 +117,11 @@ impl Queues {
         let (answer, answers) = self.answers.split();
         let (report, faults) = self.faults.split();
         let (identified, numbers) = self.numbers.split();
+        let (refer, origins) = self.origins.split();
         let (tell, telemetry) = self.telemetry.split();
         (
-            ControlEnds { configs, requests, answer, report, identified, tell, off: &self.off },
-            DeskEnds { configure, ask, answers, faults, numbers, telemetry, off: &self.off },
+            ControlEnds { configs, requests, answer, report, identified, refer, tell, off: &self.off },
+            DeskEnds { configure, ask, answers, faults, numbers, origins, telemetry, off: &self.off },
         )
     }
 }
@@ -122,6 +136,8 @@ pub struct ControlEnds<'q> {
     report: Producer<'q, FaultReport, FAULTS>,
     /// Numbers of a completed identification, one per period.
     identified: Producer<'q, Number, NUMBERS>,
+    /// New origins, and results of searches for them.
+    refer: Producer<'q, OriginReport, ORIGINS>,
     tell: Producer<'q, Telemetry, TELEMETRY>,
     off: &'q OffSwitch,
 }
@@ -133,6 +149,7 @@ pub struct DeskEnds<'q> {
     answers: Consumer<'q, Handled, ANSWERS>,
     faults: Consumer<'q, FaultReport, FAULTS>,
     numbers: Consumer<'q, Number, NUMBERS>,
+    origins: Consumer<'q, OriginReport, ORIGINS>,
     telemetry: Consumer<'q, Telemetry, TELEMETRY>,
     off: &'q OffSwitch,
 }

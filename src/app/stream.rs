@@ -13,13 +13,14 @@ pub(super) struct Stream {
     /// Sequence number of the next frame.
     next: u32,
     dropped: u32,
-    header_sent: bool,
+    /// Origin of the header that was sent.
+    header: Option<u32>,
     preset: Name,
 }
 
 impl Stream {
     pub fn new(decimation: u32, preset: Name) -> Self {
-        Self { decimation: decimation.max(1), start: None, next: 1, dropped: 0, header_sent: false, preset }
+        Self { decimation: decimation.max(1), start: None, next: 1, dropped: 0, header: None, preset }
     }
 
     /// Number of frames lost.
@@ -27,14 +28,18 @@ impl Stream {
         self.dropped
     }
 
-    /// One control period.
-    pub fn take(&mut self, telemetry: &Telemetry, device: &Device, output: &mut Output) {
-        if !self.header_sent {
-            let header = Frame::Header(self.header(device));
-            self.header_sent = encode(0, &header).is_some_and(|wire| output.frame(&wire));
-            if !self.header_sent {
+    /// One control period. `origin` is the encoder count at position 0.
+    pub fn take(&mut self, telemetry: &Telemetry, origin: u32, device: &Device, output: &mut Output) {
+        if self.header != Some(origin) {
+            if self.header.is_some() {
+                // positions have another zero: for the host this is another stream
+                *self = Self { dropped: self.dropped, ..Self::new(self.decimation, self.preset.clone()) };
+            }
+            let header = Frame::Header(self.header(device, origin));
+            if !encode(0, &header).is_some_and(|wire| output.frame(&wire)) {
                 return;
             }
+            self.header = Some(origin);
         }
         let start = *self.start.get_or_insert(telemetry.step);
         let since = telemetry.step.wrapping_sub(start);
@@ -51,7 +56,7 @@ impl Stream {
         }
     }
 
-    fn header(&self, device: &Device) -> Header {
+    fn header(&self, device: &Device, origin: u32) -> Header {
         let channel =
             |c: &Channel| link::Channel { offset_code: c.offset_code, unit_per_code: c.unit_per_code };
         Header {
@@ -62,6 +67,7 @@ impl Stream {
             accel: channel(&device.accel),
             decimation: self.decimation,
             preset: self.preset.clone(),
+            origin_count: origin as i32,
         }
     }
 
@@ -78,6 +84,7 @@ impl Stream {
             reference: outputs.reference,
             mode: outputs.mode.code(),
             fault: outputs.fault.map_or(0, |fault| fault.code()),
+            referenced: outputs.referenced,
             dropped: self.dropped,
         }
     }

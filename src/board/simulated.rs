@@ -24,6 +24,8 @@ const BYTES_PER_PERIOD: usize = 92;
 const UNREAD: usize = 1 << 20;
 /// Natural frequency of a pointed hand, rad/s: smooths the 16 ms steps of a mouse without a noticeable lag.
 const POINTING: f64 = 100.0;
+/// Longest wait for a search of the stops, ms.
+const LONGEST_SEARCH_MS: u32 = 60_000;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
 
@@ -113,6 +115,8 @@ impl Hand for Holder {
 /// The simulated board.
 pub struct SimulatedBoard {
     rig: Rig<Slide>,
+    /// Count of the rig at power-up. The counter of a board begins at 0, wherever the handle is.
+    counted_from: u32,
     hand: Holder,
     force: f64,
     milliseconds: u64,
@@ -155,13 +159,24 @@ impl SimulatedBoard {
         let rig = Rig::new(config.rig, NOTHING, config.seed).map_err(Unfit::Rig)?;
         let lasting = flash.lasting();
         let library = block_on(Library::open(flash, each)).map_err(Unfit::Presets)?;
-        Ok(Self { rig, hand: Holder::Nobody, force: 0.0, milliseconds: 0, library, stored: None, lasting })
+        let counted_from = rig.sensors().count;
+        Ok(Self {
+            rig,
+            counted_from,
+            hand: Holder::Nobody,
+            force: 0.0,
+            milliseconds: 0,
+            library,
+            stored: None,
+            lasting,
+        })
     }
 
     /// One period of the rig under the last force.
     fn sample(&mut self) -> Inputs {
         let sensors = self.rig.tick(self.force, &mut self.hand);
-        inputs(&sensors)
+        let count = sensors.count.wrapping_sub(self.counted_from);
+        Inputs { count, ..inputs(&sensors) }
     }
 
     fn periods_in_ms(&self) -> u32 {
@@ -486,6 +501,27 @@ impl VirtualDevice {
             self.desk.output().sent(count);
             room -= count;
         }
+    }
+
+    /// Searches both stops, as the command `home` does. The answer and the result are not left to read.
+    ///
+    /// # Errors
+    /// The line of the device that says why not.
+    pub fn home(&mut self) -> Result<(), String> {
+        self.write(b"home\n");
+        let mut said = Vec::new();
+        for _ in 0..LONGEST_SEARCH_MS {
+            self.tick();
+            self.read(&mut said);
+            if self.is_quiet() && !self.mode().is_driven() {
+                break;
+            }
+        }
+        if self.outputs.referenced {
+            return Ok(());
+        }
+        let said = String::from_utf8_lossy(&said);
+        Err(said.lines().last().unwrap_or("`home` was not answered").to_owned())
     }
 
     /// Outputs of the last control step.

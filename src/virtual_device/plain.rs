@@ -6,9 +6,6 @@ use std::io::{BufRead, Write};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Longest continuation of a motion after the end of the input, s.
-const FINISH_S: f64 = 120.0;
-
 /// Runs until the input ends.
 ///
 /// # Errors
@@ -32,7 +29,9 @@ pub fn run(mut running: Running, serial_line: &str) -> std::io::Result<()> {
     loop {
         match commands.recv_timeout(Duration::from_millis(1)) {
             Ok(line) => {
-                let said = running.obey(&line);
+                let mut said = running.obey(&line);
+                // the next command may need its result
+                said.extend(running.finish(|mode| mode == ModeId::Homing));
                 if !line.trim_ascii().is_empty() {
                     writeln!(out, "> {}", String::from_utf8_lossy(&line).trim())?;
                 }
@@ -46,12 +45,8 @@ pub fn run(mut running: Running, serial_line: &str) -> std::io::Result<()> {
         }
     }
     // completes a running motion, so that its result is not lost
-    let most = (FINISH_S / running.device.period()) as u64;
-    let mut left = 0..most;
-    while matches!(running.device.mode(), ModeId::Exciting | ModeId::Identifying) && left.next().is_some() {
-        running.tick();
-    }
-    let said = running.obey(b"");
+    let mut said = running.finish(ModeId::is_driven);
+    said.extend(running.obey(b""));
     say(&mut out, &said)
 }
 

@@ -14,9 +14,10 @@ fn inputs(sample: &Sample) -> Inputs {
     }
 }
 
+/// A loop that knows the middle of its stroke, as the board does after `zero`.
 fn host(preset: &str) -> Control {
     let settings = Settings::preset(preset).expect("built in");
-    Control::new(settings.build(&Device::default()).expect("fits the rig"))
+    Control::referenced(settings.build(&Device::default()).expect("fits the rig"))
 }
 
 /// Replays what the target has measured, with the request in the period in which it left the idle state. Returns how
@@ -43,7 +44,7 @@ fn replay(board: &Board, mut host: Control, request: &Request) -> (u32, u32, f32
 
 pub fn target_and_host_render_the_same_forces_bit_for_bit() {
     for name in ["brass", "teflon", "rubber", "viscous"] {
-        let mut board = Board::boot();
+        let mut board = Board::ready();
         board.ok(&format!("preset use {name}"));
         board.ok("stream on");
         board.run(20.0);
@@ -59,7 +60,7 @@ pub fn target_and_host_render_the_same_forces_bit_for_bit() {
 
 pub fn target_and_host_drive_the_handle_bit_for_bit() {
     for wave in ["sine", "multisine", "chirp", "triangle", "dwell"] {
-        let mut board = Board::boot();
+        let mut board = Board::ready();
         board.ok("stream on");
         board.run(20.0);
         board.ok(&format!("move {wave} 0.006 2 0.5"));
@@ -73,5 +74,20 @@ pub fn target_and_host_drive_the_handle_bit_for_bit() {
         let (compared, _, largest) = replay(&board, host("brass"), &Request::Excite(excitation));
         println!("{wave}: {compared} forces identical, up to {largest:.2} N");
         assert!(compared > 1_000 && largest > 0.2, "{wave}");
+    }
+}
+
+pub fn target_and_host_search_the_stops_bit_for_bit() {
+    for start in [-0.016, 0.012] {
+        let mut board = Board::boot_at(start);
+        board.ok("stream on");
+        board.run(20.0);
+        let told = board.home();
+        board.run(50.0);
+        assert!(told.starts_with("! home"), "{told}");
+        let unreferenced = Control::new(*host("brass").config());
+        let (compared, _, largest) = replay(&board, unreferenced, &Request::Home);
+        println!("from {start} m: {compared} forces identical, up to {largest:.2} N; {told}");
+        assert!(compared > 3_000 && largest > 6.0);
     }
 }

@@ -6,7 +6,7 @@ use crate::board::Board;
 const TIM6_CR1: u32 = 0x4000_1000;
 
 fn rendering() -> Board {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("preset use rubber");
     board.ok("render on");
     board.machine.set_hand(|_: f64, _: f64, v: f64| 2.0 - 20.0 * v);

@@ -46,6 +46,33 @@ impl Board {
         Self::of(Machine::free_handle(image(), 1))
     }
 
+    /// A board whose handle is in the middle of its stroke, as a person tells it.
+    pub fn ready() -> Self {
+        let mut board = Self::boot();
+        board.ok("zero");
+        board
+    }
+
+    /// Powers a board up, with the handle at this position of the stroke, m.
+    pub fn boot_at(start_position: f64) -> Self {
+        let config = RigConfig { start_position, ..RigConfig::free_handle() };
+        let no_block = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+        Self::of(Machine::boot(image(), config, no_block, 1).expect("a place in the stroke"))
+    }
+
+    /// Searches both stops; the result.
+    pub fn home(&mut self) -> String {
+        self.ok("home");
+        for _ in 0..1_000 {
+            self.run(10.0);
+            let told = |line: &&String| line.starts_with("! home") || line.starts_with("! no home");
+            if let Some(line) = self.lines.iter().find(told) {
+                return line.clone();
+            }
+        }
+        panic!("the search did not end within 10 s: {:?}", self.lines);
+    }
+
     /// Powers a board up whose flash for presets holds this.
     pub fn with_presets(contents: &[u8]) -> Self {
         let mut machine = Machine::free_handle(image(), 1);
@@ -58,14 +85,16 @@ impl Board {
         self.machine.flash(PRESETS)
     }
 
-    /// Powers a board up whose rig carries a block of this material; `None` without a compiler for it, unless CI is set.
+    /// Powers a board up whose rig carries a block of this material, in the middle of the stroke; `None` without a compiler for it, unless CI is set.
     pub fn with_block(material: &Material) -> Option<Self> {
         if TOOLCHAIN.missing().is_some() && !untested::strict() {
             return None;
         }
         let config = RigConfig { block_mass: material.mass, ..RigConfig::default() };
         let machine = Machine::boot(image(), config, material.law, 1).expect("printed parameters");
-        Some(Self::of(machine))
+        let mut board = Self::of(machine);
+        board.ok("zero");
+        Some(board)
     }
 
     /// A terminal at a machine, 50 ms later.

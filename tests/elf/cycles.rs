@@ -13,7 +13,7 @@ const BUDGET: f64 = 1_700.0;
 const HAVING_EFFECTS: f64 = 150.0;
 
 pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("preset use rubber");
     for (name, value) in
         [("f_static", "3.5"), ("f_dynamic", "3"), ("damping", "4"), ("sigma", "8000"), ("dv", "0.01")]
@@ -81,7 +81,7 @@ pub fn cycles_of_every_law_and_of_a_bond() {
 
 /// Every effect alone under the cheapest law, with every gain set: what it adds to a step.
 pub fn cycles_of_every_effect() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.machine.set_hand(|t: f64, x: f64, v: f64| 8.0 * (9.0 * t).sin() - 900.0 * x - 10.0 * v);
     let worst = |board: &mut Board| {
         board.ok("render on");
@@ -117,7 +117,7 @@ pub fn cycles_of_every_effect() {
 
 /// The most expensive step that validation allows: the dearest law, and effects up to their limit.
 pub fn the_longest_allowed_step_is_not_late() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.machine.set_hand(|t: f64, x: f64, v: f64| 8.0 * (9.0 * t).sin() - 900.0 * x - 10.0 * v);
     for renderer in RendererKind::ALL {
         board.ok("preset use rubber");

@@ -145,7 +145,7 @@ pub fn power_cuts_leave_old_or_new_presets() {
 }
 
 pub fn presets_survive_power_cuts_and_deletions_hold() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     for command in ["preset use rubber", "set f_dynamic 1.5", "preset save mine", "preset default mine"] {
         println!("{command:24} {}", board.ok(command));
     }

@@ -16,6 +16,7 @@ mod law_names;
 mod mutations;
 mod no_panic;
 mod off;
+mod origin;
 mod plot;
 mod power_up;
 mod random_inputs;
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         tests![
             agreement::target_and_host_render_the_same_forces_bit_for_bit,
             agreement::target_and_host_drive_the_handle_bit_for_bit,
+            agreement::target_and_host_search_the_stops_bit_for_bit,
             black_box::a_reset_reports_its_reason_and_motion,
             black_box::a_crash_keeps_the_first_fault,
             cycles::every_law_under_every_renderer_stays_within_the_cycles_of_a_step,
@@ -62,6 +64,9 @@ fn main() -> ExitCode {
             no_panic::the_control_path_runs_from_ccm,
             off::off_disables_the_amplifier_within_a_period_from_every_state,
             off::off_overtakes_every_command,
+            origin::home_finds_the_middle_from_anywhere_in_the_stroke,
+            origin::a_reset_in_mid_stroke_leaves_the_device_unreferenced,
+            origin::a_start_at_a_stop_drives_nothing_into_it,
             power_up::every_reset_cause_boots_and_unexpected_ones_are_faults,
             power_up::the_first_power_up_of_the_readme_works,
             power_up::a_single_bank_of_flash_keeps_no_presets,
@@ -91,7 +96,7 @@ fn main() -> ExitCode {
 }
 
 fn no_step_is_missed_under_full_load() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     let idle = board.machine.statistics();
     println!(
         "idle      first step {:.1} ms after power-on; control interrupt {:.0} ({:.0} to {:.0}) cycles; core awake {:.1} %",
@@ -172,7 +177,7 @@ fn no_step_is_missed_under_full_load() {
 }
 
 fn answers_take_effect_on_the_handle() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     println!("{}", board.ok("version"));
     let presets = board.ok("preset list");
     println!("{presets}");
@@ -214,7 +219,7 @@ fn answers_take_effect_on_the_handle() {
 }
 
 fn garbage_is_answered_and_changes_nothing() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("preset use rubber");
     let before = board.ask("get");
     assert!(before.len() > 10, "{before:?}");
@@ -247,7 +252,7 @@ fn garbage_is_answered_and_changes_nothing() {
 }
 
 fn a_pasted_page_is_executed_line_by_line() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     // the second is more than the device can hold: lines are lost, each loss is told
     for (lines, least) in [(100, 100), (600, 200)] {
         let page: String = (0..lines).map(|k| format!("set f_dynamic 1.{:02}\n", k % 80)).collect();
@@ -275,7 +280,7 @@ fn a_pasted_page_is_executed_line_by_line() {
 }
 
 fn frames_are_intact_and_follow_the_rig() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.machine.set_hand(|t: f64, x: f64, v: f64| 400.0 * (0.01 * (6.0 * t).sin() - x) - 10.0 * v);
     board.ok("stream on");
     for _ in 0..100 {
@@ -309,7 +314,7 @@ fn frames_are_intact_and_follow_the_rig() {
 }
 
 fn identification_moves_the_handle_and_reports_its_end() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("stream on");
     board.ok("move sine 0.01 2 1");
     for _ in 0..60 {

@@ -35,7 +35,7 @@ pub fn the_control_path_runs_from_ccm() {
     let step = image().reach("ADC1_2").expect("the control interrupt");
     // memory.x lists what is placed there
     assert!(step.in_flash.is_empty(), "in flash, with its wait states: {:#?}", step.in_flash);
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("preset use rubber");
     board.ok("render on");
     board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (6.0 * t).sin() - 5.0 * v);

@@ -45,7 +45,7 @@ fn until_on(board: &mut Board) {
 /// A state, how it is reached, and what `off` says of it.
 type State = (&'static str, fn(&mut Board), &'static str);
 
-const STATES: [State; 7] = [
+const STATES: [State; 8] = [
     ("idle", |_| {}, "nothing was running"),
     ("rendering", |board| drop(board.ok("render on")), "rendering has ended"),
     ("moving", |board| drop(board.ok("move sine 0.008 2")), "the motion has ended"),
@@ -58,6 +58,7 @@ const STATES: [State; 7] = [
         },
         "the motion has ended",
     ),
+    ("searching the stops", |board| drop(board.ok("home")), "the search has ended"),
     ("identifying", |board| drop(board.ok("identify")), "without a result"),
     ("push of the self-test", |board| board.machine.serial_write(b"selftest\n"), "the motion has ended"),
     (
@@ -74,7 +75,7 @@ const STATES: [State; 7] = [
 pub fn off_disables_the_amplifier_within_a_period_from_every_state() {
     println!("{:<24} {:>12}  answer", "state", "off after");
     for (name, enter, says) in STATES {
-        let mut board = Board::boot();
+        let mut board = Board::ready();
         enter(&mut board);
         let drives = !matches!(name, "idle" | "fault");
         if drives {
@@ -132,6 +133,8 @@ pub fn off_overtakes_every_command() {
         "move sine 0.008 2\n",
         "stop\nmove sine 0.008 2\n",
         "stop\nidentify\n",
+        "stop\nhome\n",
+        "stop\nzero\nmove sine 0.008 2\n",
         "stop\nselftest\n",
         "stop\nselftest\nmove sine 0.008 2\nrender on\n",
         "stop\ncalibrate load 0\nrender on\n",
@@ -145,7 +148,7 @@ pub fn off_overtakes_every_command() {
         &page,
     ];
     let mut worst: f64 = 0.0;
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     for case in cases {
         board.ok("render on");
         board.run(20.0);

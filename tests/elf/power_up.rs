@@ -29,6 +29,8 @@ pub fn every_reset_cause_boots_and_unexpected_ones_are_faults() {
         assert!(told.starts_with(&format!("ok {fault}")), "{cause:?}: {told}");
         assert!(board.machine.violations().is_empty(), "{cause:?}: {:?}", board.machine.violations());
         board.ok("clear");
+        assert!(board.ok("status").contains("unreferenced"), "{cause:?}");
+        assert!(board.ask("move sine 0.008 1")[0].starts_with("err UNREFERENCED"), "{cause:?}");
         board.ok("render on");
         board.run(5.0);
         assert!(board.machine.amplifier_on(), "{cause:?}: no way on");
@@ -68,13 +70,17 @@ pub fn the_first_power_up_of_the_readme_works() {
         board.run(0.1);
         assert!(!board.machine.amplifier_on());
     }
-    // 5: the self-test, near the middle
+    // 5: nothing moves by itself before the middle of the stroke is known
+    assert!(board.ask("selftest")[0].starts_with("err UNREFERENCED"));
     board.machine.set_hand(|_: f64, x: f64, v: f64| -300.0 * x - 20.0 * v);
     board.run(1_500.0);
     board.machine.set_hand(|_: f64, _: f64, _: f64| 0.0);
     board.run(300.0);
+    board.ok("zero");
     assert!(board.ok("selftest").starts_with("ok selftest passed"));
     // 6
+    assert!(board.home().starts_with("! home: stroke 32.0"));
+    // 7
     board.ok("preset use viscous");
     assert_eq!(board.ok("render on"), "ok render on");
     board.run(100.0);

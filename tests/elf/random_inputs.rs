@@ -35,6 +35,7 @@ struct Follower {
     repeated: u32,
     faults: Vec<u8>,
     last: (u8, u8, u32),
+    referenced: bool,
 }
 
 impl Follower {
@@ -51,6 +52,7 @@ impl Follower {
             repeated: 0,
             faults: Vec::new(),
             last: (0, 0, 0),
+            referenced: false,
         }
     }
 
@@ -97,8 +99,15 @@ impl Follower {
                     outputs.reference.to_bits(),
                     outputs.mode.code(),
                     outputs.fault.map_or(0, |fault| fault.code()),
+                    outputs.referenced,
                 );
-                let there = (sample.force.to_bits(), sample.reference.to_bits(), sample.mode, sample.fault);
+                let there = (
+                    sample.force.to_bits(),
+                    sample.reference.to_bits(),
+                    sample.mode,
+                    sample.fault,
+                    sample.referenced,
+                );
                 let next = (control, *done || typed.is_some());
                 if here == there && !alike.contains(&next) {
                     self.sliding += u32::from(alike.is_empty() && outputs.amplifier && !outputs.stuck);
@@ -128,6 +137,7 @@ impl Follower {
             self.faults.push(sample.fault);
         }
         self.last = (sample.mode, sample.fault, sample.sample_ticks);
+        self.referenced = sample.referenced;
     }
 
     /// The command was answered, and its period is past.
@@ -165,6 +175,7 @@ impl Pair {
         let mut pair = Self { board, follower: Follower::new(), source, settings };
         pair.board.ok("stream on");
         pair.run(20.0);
+        assert!(pair.say("zero", Some(Typed::Ask(Request::Zero))));
         // the clock of the edges wraps two seconds from now
         pair.source.lock().expect("no panic").skew = 0x8000_0000;
         pair.run(2.0);
@@ -228,6 +239,9 @@ impl Pair {
             self.run(100.0);
             if self.follower.last.1 != 0 && !self.say("clear", Some(Typed::Ask(Request::ClearFault))) {
                 continue;
+            }
+            if !self.follower.referenced {
+                assert!(self.say("zero", Some(Typed::Ask(Request::Zero))));
             }
             if self.say("render on", Some(Typed::Ask(Request::Render(true)))) {
                 return;

@@ -27,7 +27,7 @@ pub fn every_rate_misses_nothing_and_is_stable() {
         "rate Hz  steps  missed  late  worst cycles  core awake  frames lost  largest k_vc N/m  swing after a knock, held"
     );
     for &hz in RATES {
-        let mut board = Board::boot();
+        let mut board = Board::ready();
         board.ok(&format!("rate {hz}"));
         board.ok("preset use rubber");
         let most = stiffest(&mut board);
@@ -78,7 +78,7 @@ pub fn every_rate_misses_nothing_and_is_stable() {
 }
 
 pub fn unstable_rates_and_running_modes_refuse_rate() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("rate 10000");
     board.ok("set k_vc 100000");
     let refused = board.ask("rate 1000").join(" ");

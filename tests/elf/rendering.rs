@@ -45,7 +45,7 @@ fn at(series: &[Felt], t: f64) -> Option<(f64, f64)> {
 
 /// What the ELF made of it, from what it streamed.
 fn on_the_device(preset: &str) -> Vec<Felt> {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok(&format!("preset use {preset}"));
     board.ok("render on");
     board.ok("stream on");
@@ -69,7 +69,7 @@ fn on_the_host(preset: &str) -> Vec<Felt> {
     let mut rig =
         Rig::new(config, friction::Custom(|_: &friction::Motion<f64>| 0.0), 4_711).expect("the rig");
     let settings = Settings::preset(preset).expect("built in");
-    let mut control = Control::new(settings.build(&Device::default()).expect("fits the rig"));
+    let mut control = Control::referenced(settings.build(&Device::default()).expect("fits the rig"));
     let mut felt = Vec::new();
     let mut sensors = rig.sensors();
     while rig.truth().time < END + 0.05 {

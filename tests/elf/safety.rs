@@ -17,7 +17,7 @@ const BEYOND: f64 = 0.017;
 const OVERSPEED: f64 = 1.0;
 
 fn rendering() -> Board {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("preset use rubber");
     board.ok("render on");
     board.machine.set_hand(|_: f64, _: f64, v: f64| 2.0 - 20.0 * v);
@@ -27,7 +27,7 @@ fn rendering() -> Board {
 }
 
 fn moving() -> Board {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     board.ok("watch 1");
     board.ok("move sine 0.008 2");
     for _ in 0..6 {

@@ -26,6 +26,8 @@ pub fn selftest_names_each_wiring_error() {
     ] {
         board.machine.rewire(wiring);
         board.run(50.0);
+        // an exchanged encoder has jumped: the origin is lost
+        board.ok("zero");
         let lines = board.ask("selftest");
         println!("{name:<22} {}", lines[0]);
         for line in lines.iter().filter(|line| line.contains("FAIL")) {
@@ -37,7 +39,7 @@ pub fn selftest_names_each_wiring_error() {
 }
 
 pub fn two_weights_calibrate_the_load_cell() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     for weight in [0.0, 9.81] {
         board.machine.put_on_bench(Bench { weight, gravity: 0.0 }).expect("in range");
         board.run(20.0);

@@ -169,7 +169,7 @@ fn lag(rows: &[&Row], estimate: impl Fn(&Row) -> f64) -> (f64, f64) {
 }
 
 pub fn pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale() {
-    let mut board = Board::boot();
+    let mut board = Board::ready();
     let pieces = placed();
     let track = Track::default();
     let path = pieces.clone();
@@ -303,7 +303,7 @@ pub fn an_edge_at_any_instruction_of_the_sampling_leaves_the_velocity() {
     /// Cycles from the entry of the interrupt before and after the sampling.
     const SWEEP: std::ops::Range<i64> = -30..190;
     for (lag, periods, up) in [(4, 3, true), (4, 1, false), (4, 2, true), (0, 2, false), (40, 3, true)] {
-        let mut board = Board::boot();
+        let mut board = Board::ready();
         board.machine.set_capture_lag(lag);
         board.ok("stream on");
         assert!(board.machine.run_to_control());

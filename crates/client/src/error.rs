@@ -41,6 +41,20 @@ pub enum Error {
         /// Answer of the device, `err CODE: why`.
         answer: String,
     },
+    /// The device does not know the middle of its stroke, and may not search it.
+    #[error("{port}: the device does not know the middle of its stroke since it started")]
+    Unreferenced {
+        /// Port as named by the user.
+        port: String,
+    },
+    /// The search for the stops failed.
+    #[error("{port}: {why}")]
+    NotHomed {
+        /// Port as named by the user.
+        port: String,
+        /// Line of the device.
+        why: String,
+    },
     /// No answer came.
     #[error("{port}: no answer to `{command}` within {seconds} s")]
     NoAnswer {
@@ -101,6 +115,9 @@ impl Error {
             Self::Silent { .. } => {
                 Some("is the device still connected? its `status` says what it does".to_owned())
             }
+            Self::Unreferenced { port } => Some(format!(
+                "type `home`, or move the handle to the middle and type `zero`, in `tribos connect {port}`"
+            )),
             Self::Fault { .. } => Some(
                 "`fault` tells more, `clear` clears it; a smaller move asks less of the device".to_owned(),
             ),
@@ -110,6 +127,7 @@ impl Error {
             Self::Gone { .. }
             | Self::Virtual(_)
             | Self::Refused { .. }
+            | Self::NotHomed { .. }
             | Self::Interrupted(_)
             | Self::File(_) => None,
         }

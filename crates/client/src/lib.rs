@@ -5,12 +5,14 @@
 //!   wire        bytes to lines, headers and samples; counts what is missing
 //!   transport   a serial port, or the virtual device inside this process
 //! sample      raw codes to SI, by the calibration in the stream's header
+//! origin      the middle of the stroke: whether the device knows it, and the search for it
 //! recorder    a stream into a CSV file that survives a crash
 //! ```
 #![forbid(unsafe_code)]
 
 mod error;
 mod moves;
+mod origin;
 mod recorder;
 mod sample;
 mod session;
@@ -19,6 +21,7 @@ mod wire;
 
 pub use error::{Error, Result};
 pub use moves::Move;
+pub use origin::reference;
 pub use recorder::{Plan, Recorded, RecordingFile, record};
 pub use sample::{Calibration, Decoding, Header, Raw, Sample};
 pub use session::{Event, Session, Settled};

@@ -23,6 +23,8 @@ pub struct Raw {
     pub mode: u8,
     /// Fault code.
     pub fault: u8,
+    /// Whether the device knows the middle of its stroke.
+    pub referenced: bool,
 }
 
 /// Calibration of codes: from the header of the stream, or of the simulated rig.
@@ -32,6 +34,8 @@ pub struct Calibration {
     pub tick_hz: f64,
     /// Handle travel of a count, m.
     pub metre_per_count: f64,
+    /// Count at position 0.
+    pub origin_count: i32,
     /// Code of 0 N.
     pub load_offset: f64,
     /// Force per code, N.
@@ -123,6 +127,8 @@ pub struct Sample {
     pub mode: u8,
     /// [`haptics::FaultKind`] on the wire, 0 for none.
     pub fault: u8,
+    /// Whether position 0 is the middle of the stroke.
+    pub referenced: bool,
 }
 
 /// Number of samples without an edge after which the handle is at rest: it moves less than a count in that time.
@@ -183,7 +189,7 @@ impl Decoding {
         self.history = self.history.after(self.estimator.step() != 0);
         (self.history == History::Enough).then(|| Sample {
             time: self.ticks as f64 / c.tick_hz,
-            position: f64::from(raw.count as i32) * c.metre_per_count,
+            position: f64::from((raw.count as i32).wrapping_sub(c.origin_count)) * c.metre_per_count,
             velocity: f64::from(self.estimator.counts_per_tick()) * c.metre_per_count * c.tick_hz,
             acceleration: (f64::from(raw.accel_code) - c.accel_offset) * c.accel_unit,
             force: (f64::from(raw.load_code) - c.load_offset) * c.load_unit,
@@ -191,6 +197,7 @@ impl Decoding {
             reference: f64::from(raw.reference),
             mode: raw.mode,
             fault: raw.fault,
+            referenced: raw.referenced,
         })
     }
 }
@@ -202,6 +209,7 @@ mod tests {
     const RIG: Calibration = Calibration {
         tick_hz: 170e6,
         metre_per_count: 2.57e-6,
+        origin_count: 0,
         load_offset: 32_768.0,
         load_unit: 1e-3,
         accel_offset: 32_768.0,

@@ -88,13 +88,14 @@ pub struct Virtual {
 }
 
 impl Virtual {
-    /// Boots a virtual device.
+    /// Boots a virtual device and lets it search its stops, so that it is referenced.
     ///
     /// # Errors
     /// Invalid configuration of the rig.
     pub fn new(seed: u64) -> Result<Self> {
         let config = VirtualConfig { seed, ..VirtualConfig::default() };
-        let device = VirtualDevice::new(&config).map_err(|e| Error::Virtual(e.to_string()))?;
+        let mut device = VirtualDevice::new(&config).map_err(|e| Error::Virtual(e.to_string()))?;
+        device.home().map_err(Error::Virtual)?;
         Ok(Self { device, due: None })
     }
 

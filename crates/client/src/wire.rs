@@ -52,6 +52,7 @@ impl Wire {
                             reference: sample.reference,
                             mode: sample.mode,
                             fault: sample.fault,
+                            referenced: sample.referenced,
                         };
                         items.push(Item::Sample(raw));
                     }
@@ -69,6 +70,7 @@ fn of_header(h: &link::Header) -> Header {
         calibration: Calibration {
             tick_hz: f64::from(h.tick_hz),
             metre_per_count: f64::from(h.metre_per_count),
+            origin_count: h.origin_count,
             load_offset: f64::from(h.load.offset_code),
             load_unit: f64::from(h.load.unit_per_code),
             accel_offset: f64::from(h.accel.offset_code),

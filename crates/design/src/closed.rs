@@ -68,7 +68,7 @@ pub(crate) fn run(
         ..RigConfig::free_handle()
     };
     let mut rig = Rig::new(config, Custom(|_: &Motion<f64>| 0.0), 1).map_err(Error::Rig)?;
-    let mut control = Control::new(settings.build(device).map_err(Error::Refused)?);
+    let mut control = Control::referenced(settings.build(device).map_err(Error::Refused)?);
     let mut held = Held { mass, force: hand, before: 0.0, now: 0.0, began: 0.0 };
     let mut sensors = rig.sensors();
     let mut period = 0_u32;

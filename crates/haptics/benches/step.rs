@@ -95,7 +95,7 @@ impl Job {
                 (Settings::brass(), Request::Excite(move_))
             }
         };
-        let mut control = Control::new(settings.build(&Device::default()).expect("within the bounds"));
+        let mut control = Control::referenced(settings.build(&Device::default()).expect("within the bounds"));
         let outputs = control.step(Some(&request), first);
         assert!(outputs.denied.is_none(), "{self}: {:?}", outputs.denied);
         control

@@ -2,8 +2,8 @@
 
 use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
-use crate::silence;
 use crate::{Biquad, Device, RendererKind, Settings};
+use crate::{homing, silence};
 use friction::effects::{Effect, EffectKind};
 use friction::{Law, Scalar};
 
@@ -42,6 +42,9 @@ pub struct Config {
     pub(crate) low_pass: Biquad,
     pub(crate) timing: Timing,
     pub(crate) silence: silence::Bounds,
+    pub(crate) homing: homing::Bounds,
+    /// Largest force of a rendered contact while the middle of the stroke is unknown, N.
+    pub(crate) unreferenced_force: f32,
 }
 
 impl Config {
@@ -69,6 +72,8 @@ impl Config {
             low_pass: Biquad::low_pass(device.command_cutoff_hz, device.period),
             timing: Timing::new(device.period),
             silence: silence::Bounds::new(device),
+            homing: homing::Bounds::new(device),
+            unreferenced_force: device.unreferenced_force(),
         }
     }
 

@@ -10,10 +10,16 @@ pub struct Control {
 }
 
 impl Control {
-    /// An idle loop with the force off.
+    /// An idle, unreferenced loop with the force off.
     #[must_use]
     pub fn new(config: Config) -> Self {
         Self { state: State::new(&config.device), config }
+    }
+
+    /// The same, referenced: count 0 is the middle of the stroke. For a simulation, which knows it.
+    #[must_use]
+    pub fn referenced(config: Config) -> Self {
+        Self { state: State::referenced(&config.device), config }
     }
 
     /// Replaces the configuration without a jump in force.

@@ -45,7 +45,7 @@ pub struct Device {
     pub acceleration_max: f32,
     /// Width of the rails, codes: a code this close to 0 or 65 535 is not a reading.
     pub rail_codes: u16,
-    /// Distance between the mechanical stops, m, centred on count 0.
+    /// Distance between the mechanical stops, m. Their middle is position 0 once the device is referenced.
     pub stroke: f32,
     /// Speed above which force is withdrawn, m/s. The default exceeds the speed that the actuator alone reaches over half a
     /// stroke, 0.66 m/s.
@@ -64,6 +64,10 @@ pub struct Device {
     pub command_cutoff_hz: f32,
 }
 
+/// Share of the actuator's force that a contact may use while the middle of the stroke is unknown: 2.8 N by default. A hand holds
+/// it easily, and pushed from anywhere into a stop the handle stays below half of the overspeed.
+const UNREFERENCED: f32 = 0.3;
+
 /// Control rates of a board, Hz. The first is that after a start.
 pub const RATES: &[u32] = &[1_000, 2_000, 5_000, 10_000, 20_000];
 
@@ -73,6 +77,12 @@ impl Device {
     pub fn period_ticks(&self) -> u32 {
         // `as` saturates and maps NaN to 0: this cannot fail for any constants
         (self.tick_hz as f32 * self.period + 0.5) as u32
+    }
+
+    /// Largest force of a rendered contact while the middle of the stroke is unknown, N.
+    #[must_use]
+    pub fn unreferenced_force(&self) -> f32 {
+        UNREFERENCED * self.force_max
     }
 }
 

@@ -103,5 +103,9 @@ kinds! {
         Driven = 8, "busy", "a motion is running: `stop` ramps it out, `off` switches the amplifier off at once";
         /// A request that `off` overtook.
         SwitchedOff = 9, "switched_off", "`off` came after this command";
+        /// The middle of the stroke is unknown.
+        Unreferenced = 10, "unreferenced", "the middle of the stroke is unknown since the start: type `home` (the handle searches both stops, hands off), or move the handle to the middle by hand and type `zero`";
+        /// The handle moves.
+        Moving = 11, "not_at_rest", "the handle moves: hold it still in the middle of its stroke";
     }
 }

@@ -24,7 +24,7 @@ pub struct Outputs {
     pub force: f32,
     /// Amplifier enable.
     pub amplifier: bool,
-    /// Handle position, m.
+    /// Handle position, m. From the middle of the stroke if `referenced`, otherwise from where the count began.
     pub position: f32,
     /// Handle velocity, m/s (M/T estimate).
     pub velocity: f32,
@@ -34,6 +34,9 @@ pub struct Outputs {
     pub mode: ModeId,
     /// The latched fault.
     pub fault: Option<FaultKind>,
+    /// Whether the middle of the stroke is known after this step. The position of a step that changes it counts from the old
+    /// origin.
+    pub referenced: bool,
     /// Position of the virtual block, m; with the impedance renderer, the stuck point.
     pub block_position: f32,
     /// Velocity of the virtual block, m/s. Exactly 0 while stuck.

@@ -14,15 +14,29 @@
 //!        └──────────────────────────────── FAULT ◀───┘
 //! ```
 //!
-//! Off returns to IDLE from RENDERING and EXCITING within its step.
+//! Off returns to IDLE from RENDERING, EXCITING and HOMING within its step.
 //!
-//! Force is on only in RENDERING and EXCITING. The step that finds a fault gives force 0 with the amplifier off. The first
+//! Beside the mode stands the *reference*: whether the middle of the stroke is known. It is not after every start, and no longer
+//! after a fault that doubts the count of the encoder.
+//!
+//! ```text
+//!                 Zero, while idle and at rest
+//!  UNREFERENCED ─────────────────────────────────▶ REFERENCED
+//!   rendering with │                           ▲    everything
+//!   little force   └── Home ──▶ HOMING ── end ─┘
+//!        ▲                         │                    │
+//!        └── any other end ────────┘   Home, encoder ───┘ (back to UNREFERENCED)
+//! ```
+//!
+//! HOMING is entered from IDLE and RENDERING and ends in IDLE.
+//!
+//! Force is on only in RENDERING, EXCITING and HOMING. The step that finds a fault gives force 0 with the amplifier off. The first
 //! fault is kept with its time and motion; later faults do not overwrite it.
 
 use crate::excitation::{Drive, Excitation};
 use crate::renderer::Contact;
 use crate::streaming_identify::Procedure;
-use crate::{FaultKind, Probe};
+use crate::{FaultKind, Homing, Probe};
 
 /// A request to the loop, handled between two steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +50,10 @@ pub enum Request {
     Identify(Procedure),
     /// The push of the self-test.
     Probe,
+    /// The handle is in the middle of its stroke.
+    Zero,
+    /// Searches both stops, and the middle between them.
+    Home,
     /// Returns to idle. An excitation ramps out first.
     Stop,
     /// Switches the force off in this step, whatever runs. A latched fault stays. Never denied.
@@ -52,6 +70,8 @@ pub enum Request {
 }
 
 /// State of the machine.
+// a tag of its own: in the niche of a contact it has an impossible value, for which the compiler adds a trap
+#[repr(u8)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // in one place, never moved in the hot path
 pub enum Mode {
@@ -73,6 +93,8 @@ pub enum Mode {
     },
     /// The handle is pushed for the self-test.
     Probing(Probe),
+    /// The handle searches the stops.
+    Homing(Homing),
     /// Force withdrawn until cleared.
     Fault(Fault),
 }
@@ -107,12 +129,20 @@ pub enum ModeId {
     Identifying = 3,
     /// Fault latched.
     Fault = 4,
+    /// Handle driven to the stops.
+    Homing = 5,
 }
 
 impl ModeId {
+    /// Whether the device moves the handle by itself.
+    #[must_use]
+    pub const fn is_driven(self) -> bool {
+        matches!(self, Self::Exciting | Self::Identifying | Self::Homing)
+    }
+
     /// All, in order of their codes.
     pub const ALL: &'static [Self] =
-        &[Self::Idle, Self::Rendering, Self::Exciting, Self::Identifying, Self::Fault];
+        &[Self::Idle, Self::Rendering, Self::Exciting, Self::Identifying, Self::Fault, Self::Homing];
 
     /// Code on the wire.
     #[must_use]
@@ -135,6 +165,7 @@ impl ModeId {
             Self::Exciting => "exciting",
             Self::Identifying => "identifying",
             Self::Fault => "fault",
+            Self::Homing => "homing",
         }
     }
 }
@@ -149,6 +180,7 @@ impl Mode {
             Self::Exciting { identifying: false, .. } => ModeId::Exciting,
             Self::Exciting { .. } => ModeId::Identifying,
             Self::Probing(_) => ModeId::Exciting,
+            Self::Homing(_) => ModeId::Homing,
             Self::Fault(_) => ModeId::Fault,
         }
     }

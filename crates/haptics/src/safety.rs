@@ -6,6 +6,11 @@ use crate::{Device, FaultKind, Inputs};
 /// Consecutive samples at a rail that are a fault. An impact saturates the accelerometer for a sample or two.
 const RAIL_SAMPLES: u8 = 3;
 
+/// A driven handle faults this far from the stops, m: before it.
+pub(crate) const DRIVEN: f32 = -0.5e-3;
+/// A handle that is held reaches the stops in normal use. It faults beyond them, m.
+pub(crate) const HELD: f32 = 1e-3;
+
 /// Highest code: the sum of 16 12-bit conversions.
 const TOP_CODE: u16 = 65_520;
 
@@ -18,8 +23,8 @@ pub(crate) struct Motion {
     pub displacement: f32,
     /// Time between the last two samples, ticks. `None` at the first.
     pub elapsed: Option<u32>,
-    /// Whether the handle is driven rather than held: the end of the stroke is then avoided, not only detected.
-    pub driven: bool,
+    /// Largest distance from position 0, m.
+    pub reach: f32,
     /// Force of the previous step, N.
     pub command: f32,
 }
@@ -71,9 +76,6 @@ impl Guard {
             *left = left.saturating_sub(1);
         }
         let silent = self.silence.sample(silence, inputs, m.command);
-        let half_stroke = 0.5 * device.stroke;
-        // driven: fault 0.5 mm before the stops; held by a hand: stops are reached in normal use, 1 mm beyond is a fault
-        let limit = if m.driven { half_stroke - 0.5e-3 } else { half_stroke + 1e-3 };
 
         if m.elapsed.is_some_and(|ticks| ticks > period_ticks + period_ticks / 2 || ticks < period_ticks / 2)
         {
@@ -82,7 +84,7 @@ impl Guard {
             Some(FaultKind::EncoderJump)
         } else if m.velocity.abs() > device.overspeed {
             Some(FaultKind::Overspeed)
-        } else if m.position.abs() > limit {
+        } else if m.position.abs() > m.reach {
             Some(FaultKind::EndOfStroke)
         } else if self.rails >= RAIL_SAMPLES {
             Some(FaultKind::SensorRail)

@@ -5,6 +5,7 @@
 
 use crate::estimator::Estimator;
 use crate::excitation::Drive;
+use crate::homing::{Homed, Homing, Progress};
 use crate::machine::{Fault, Mode, Request};
 use crate::renderer::{Contact, Handle, Rendered};
 use crate::safety::{self, Guard};
@@ -21,6 +22,16 @@ pub struct State {
     previous_ticks: Option<u32>,
     /// Force of the previous step, N.
     force: f32,
+    /// Encoder count at position 0: the middle of the stroke once `referenced`.
+    origin: u32,
+    /// Whether the middle of the stroke is known.
+    referenced: bool,
+    /// Largest force, N. Less while unreferenced.
+    force_limit: f32,
+    /// Largest distance from position 0 with the force on, m.
+    reach: f32,
+    /// Result of the last search.
+    homed: Homed,
     /// Decaying force difference after a swap of the configuration, N.
     blend: f32,
     /// A configuration was swapped and the force difference is not yet known.
@@ -35,10 +46,15 @@ pub struct State {
 }
 
 impl State {
-    /// Idle, at rest, no fault.
+    /// Idle, at rest, unreferenced, no fault.
     #[must_use]
-    pub fn new(_device: &Device) -> Self {
+    pub fn new(device: &Device) -> Self {
         Self {
+            origin: 0,
+            referenced: false,
+            force_limit: device.unreferenced_force(),
+            reach: device.stroke + safety::HELD,
+            homed: Homed::Interrupted,
             estimator: Estimator::default(),
             guard: Guard::default(),
             mode: Mode::Idle,
@@ -53,6 +69,13 @@ impl State {
         }
     }
 
+    /// The same, referenced: count 0 is the middle of the stroke.
+    #[must_use]
+    pub fn referenced(device: &Device) -> Self {
+        let reach = 0.5 * device.stroke + safety::HELD;
+        Self { referenced: true, force_limit: device.force_max, reach, ..Self::new(device) }
+    }
+
     /// Announces a new configuration for the next step, which continues without a jump in force. If the period changes, the
     /// time since the last step is not checked.
     pub fn reconfigured(&mut self, period_changes: bool) {
@@ -65,6 +88,7 @@ impl State {
 
     /// Replaces a contact whose state does not fit the configuration.
     fn take_up(&mut self, config: &Config, handle: &Handle) {
+        self.limit(config);
         if let Mode::Rendering { contact, .. } = &mut self.mode {
             if !contact.fits(config) {
                 *contact = Contact::new(config, &handle.after(config.device.period));
@@ -73,6 +97,46 @@ impl State {
             // the difference is computed once the new force is known
             self.swapped = true;
         }
+    }
+
+    /// Sets the limits of force and position. They change with a request, with a configuration, and with the reference.
+    fn limit(&mut self, config: &Config) {
+        let device = &config.device;
+        // a search limits its force itself
+        let full = self.referenced || matches!(self.mode, Mode::Homing(_));
+        self.force_limit = if full { device.force_max } else { config.unreferenced_force };
+        let margin = if matches!(self.mode, Mode::Exciting { .. }) { safety::DRIVEN } else { safety::HELD };
+        self.reach = self.stops(device) + margin;
+    }
+
+    /// Largest distance of a stop from position 0, m.
+    fn stops(&self, device: &Device) -> f32 {
+        // the count began between the stops, so that both are within one stroke of it
+        if self.referenced { 0.5 * device.stroke } else { device.stroke }
+    }
+
+    /// The middle of the stroke is at this count, or is unknown and the position counts from there.
+    fn refer(&mut self, config: &Config, origin: u32, referenced: bool) {
+        (self.origin, self.referenced) = (origin, referenced);
+        self.limit(config);
+    }
+
+    /// Whether the middle of the stroke is known.
+    #[must_use]
+    pub fn is_referenced(&self) -> bool {
+        self.referenced
+    }
+
+    /// Encoder count at position 0.
+    #[must_use]
+    pub fn origin(&self) -> u32 {
+        self.origin
+    }
+
+    /// Result of the last search.
+    #[must_use]
+    pub fn homed(&self) -> Homed {
+        self.homed
     }
 
     /// State of the machine.
@@ -108,8 +172,17 @@ impl State {
         &self.estimator
     }
 
-    fn latch(&mut self, kind: FaultKind, ticks: u32, handle: &Handle) {
+    fn latch(&mut self, config: &Config, kind: FaultKind, ticks: u32, handle: &Handle) {
         if !matches!(self.mode, Mode::Fault(_)) {
+            let doubts_the_count = match kind {
+                FaultKind::EncoderJump | FaultKind::EncoderSilent | FaultKind::BrownOut => true,
+                // further than the stroke from where the count began
+                FaultKind::EndOfStroke => !self.referenced,
+                _ => false,
+            };
+            if doubts_the_count {
+                self.refer(config, self.estimator.counts() as u32, false);
+            }
             let (position, velocity) = (handle.position, handle.velocity);
             self.mode = Mode::Fault(Fault { kind, at_ticks: ticks, position, velocity, force: self.force });
         }
@@ -123,12 +196,32 @@ impl State {
         inputs: &Inputs,
         handle: &Handle,
     ) -> Result<(), Denied> {
+        let idle = matches!(self.mode, Mode::Idle);
+        let result = self.handle(config, request, inputs, handle);
+        if idle && !matches!(self.mode, Mode::Idle) {
+            // a promise that came with a denied request has run out meanwhile
+            self.guard.watch(0);
+        }
+        self.limit(config);
+        result
+    }
+
+    fn handle(
+        &mut self,
+        config: &Config,
+        request: &Request,
+        inputs: &Inputs,
+        handle: &Handle,
+    ) -> Result<(), Denied> {
         let device = &config.device;
         let faulty = matches!(self.mode, Mode::Fault(_));
-        let running = matches!(self.mode, Mode::Exciting { .. } | Mode::Probing(_));
+        let running = matches!(self.mode, Mode::Exciting { .. } | Mode::Probing(_) | Mode::Homing(_));
+        let drives = matches!(request, Request::Probe | Request::Excite(_) | Request::Identify(_));
+        // a hand may lean on a stop; what the checks would trip on is denied
+        let room = if drives { 0.0 } else { safety::HELD };
         match request {
             Request::Raise(kind) => {
-                self.latch(*kind, inputs.sample_ticks, handle);
+                self.latch(config, *kind, inputs.sample_ticks, handle);
                 Ok(())
             }
             Request::HostWatch { seconds } => {
@@ -147,7 +240,7 @@ impl State {
             Request::Stop => {
                 match &mut self.mode {
                     Mode::Idle | Mode::Fault(_) => {}
-                    Mode::Rendering { .. } | Mode::Probing(_) => self.mode = Mode::Idle,
+                    Mode::Rendering { .. } | Mode::Probing(_) | Mode::Homing(_) => self.mode = Mode::Idle,
                     Mode::Exciting { drive, identifying } => {
                         drive.stop();
                         *identifying = false;
@@ -162,8 +255,28 @@ impl State {
                 Ok(())
             }
             _ if running => Err(Denied::Busy),
+            Request::Zero => {
+                if !matches!(self.mode, Mode::Idle) {
+                    return Err(Denied::Busy);
+                }
+                if !self.rests(config, handle) {
+                    return Err(Denied::Moving);
+                }
+                self.refer(config, inputs.count, true);
+                Ok(())
+            }
             _ if safety::at_rail(device, inputs) => Err(Denied::SensorRail),
-            _ if !(handle.position.abs() <= 0.5 * device.stroke) => Err(Denied::OutsideStroke),
+            Request::Home => {
+                if !self.rests(config, handle) {
+                    return Err(Denied::NotAtRest);
+                }
+                self.refer(config, inputs.count, false);
+                self.homed = Homed::Interrupted;
+                self.mode = Mode::Homing(Homing::start(inputs.count));
+                Ok(())
+            }
+            _ if drives && !self.referenced => Err(Denied::Unreferenced),
+            _ if !(handle.position.abs() <= self.stops(device) + room) => Err(Denied::OutsideStroke),
             Request::Probe => {
                 if !(handle.position.abs() <= 0.5 * device.stroke - Probe::ROOM) {
                     return Err(Denied::NoRoom);
@@ -206,17 +319,25 @@ impl State {
         if safety::at_rail(device, inputs) {
             return Err(Denied::SensorRail);
         }
-        if !(handle.position.abs() <= 0.5 * device.stroke) {
+        // an unreferenced position may come from a count that jumped
+        if self.referenced && !(handle.position.abs() <= self.stops(device)) {
             return Err(Denied::OutsideStroke);
         }
         let load = device.load.to_si(inputs.load_code);
-        let still = handle.velocity.abs() <= device.rest_speed && !self.guard.moves_unseen(&config.silence);
-        if !(still && load.abs() <= device.rest_force) {
+        if !(self.rests(config, handle) && load.abs() <= device.rest_force) {
             return Err(Denied::NotAtRest);
         }
         self.guard.watch(0);
         self.mode = Mode::Idle;
+        if !self.referenced {
+            self.refer(config, inputs.count, false);
+        }
         Ok(())
+    }
+
+    /// Whether the handle is at rest, held or not.
+    fn rests(&self, config: &Config, handle: &Handle) -> bool {
+        handle.velocity.abs() <= config.device.rest_speed && !self.guard.moves_unseen(&config.silence)
     }
 }
 
@@ -231,8 +352,9 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
     let elapsed = state.previous_ticks.map(|previous| inputs.sample_ticks.wrapping_sub(previous));
     state.previous_ticks = Some(inputs.sample_ticks);
     state.estimator.sample(inputs.sample_ticks, inputs.count, inputs.edge_ticks);
+    let counts = state.estimator.counts().wrapping_sub(state.origin as i32);
     let handle = Handle {
-        position: state.estimator.counts() as f32 * device.metre_per_count,
+        position: counts as f32 * device.metre_per_count,
         velocity: state.estimator.counts_per_tick() * config.metre_per_second,
         displacement: state.estimator.step() as f32 * device.metre_per_count,
     };
@@ -249,7 +371,6 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         denied,
         ..Outputs::default()
     };
-    let driven = matches!(state.mode, Mode::Exciting { .. });
     let command = run_mode(config, state, inputs, &handle, &mut outputs);
 
     let motion = safety::Motion {
@@ -257,14 +378,20 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         velocity: handle.velocity,
         displacement: handle.displacement,
         elapsed,
-        driven,
+        reach: state.reach,
         command: state.force,
     };
     let trip = state.guard.check(device, config.period_ticks, &config.silence, inputs, &motion);
     let command = match (command, trip) {
         (Some(_), Some(kind)) => Err(Some(kind)),
-        (Some(force), None) => safety::clamp(force, device.force_max).ok_or(Some(FaultKind::NonFinite)),
-        (None, _) => Err(None),
+        (Some(force), None) => safety::clamp(force, state.force_limit).ok_or(Some(FaultKind::NonFinite)),
+        (None, trip) => {
+            // no fault without a force, but the middle is no longer where it was
+            if state.referenced && trip == Some(FaultKind::EncoderJump) {
+                state.refer(config, state.origin, false);
+            }
+            Err(None)
+        }
     };
     match command {
         Ok(force) => {
@@ -273,7 +400,7 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         }
         Err(fault) => {
             if let Some(kind) = fault {
-                state.latch(kind, inputs.sample_ticks, &handle);
+                state.latch(config, kind, inputs.sample_ticks, &handle);
             }
             outputs.force = 0.0;
             outputs.amplifier = false;
@@ -281,6 +408,7 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
     }
     state.force = outputs.force;
     outputs.mode = state.mode.id();
+    outputs.referenced = state.referenced;
     outputs.fault = state.fault().map(|fault| fault.kind);
     outputs
 }
@@ -336,8 +464,29 @@ fn run_mode(
             }
             command
         }
+        Mode::Homing(search) => match search.step(&config.homing, inputs.count, handle.velocity) {
+            Progress::Force(force) => {
+                outputs.reference = finite_or_zero(handle.position + search.lead());
+                Some(force)
+            }
+            Progress::End(homed, middle) => {
+                end_search(config, state, homed, middle);
+                None
+            }
+        },
         // a wildcard: with all modes spelled out the compiler adds a trap for an impossible one
         _ => None,
+    }
+}
+
+/// Ends a search. Out of the way of a contact.
+#[inline(never)]
+fn end_search(config: &Config, state: &mut State, homed: Homed, middle: u32) {
+    state.guard.watch(0);
+    state.mode = Mode::Idle;
+    state.homed = homed;
+    if matches!(homed, Homed::Middle { .. }) {
+        state.refer(config, middle, true);
     }
 }
 

@@ -9,6 +9,10 @@ use haptics::{
 use proptest::prelude::*;
 use rig::{Rig, control, render};
 
+/// Largest force of the default device, and while it is unreferenced, N.
+const FORCE_MAX: f32 = 9.48;
+const UNREFERENCED: f32 = 0.3 * FORCE_MAX;
+
 fn idle() -> (Control, Rig) {
     let mut control = control(&Settings::rubber());
     let mut rig = Rig::of(&Device::default());
@@ -175,6 +179,118 @@ fn render_off_is_refused_while_the_handle_is_driven() {
     assert_eq!(control.step(Some(&Request::Render(false)), &rig.inputs()).denied, None);
 }
 
+/// A loop that does not know the middle of the stroke, with the handle at `x` m.
+fn unreferenced(x: f64) -> (Control, Rig) {
+    let device = Device::default();
+    let mut rig = Rig::new(f64::from(device.mass), f64::from(device.damping), x);
+    let mut control = Control::new(Settings::rubber().build(&device).expect("valid settings"));
+    for _ in 0..3 {
+        control.step(None, &rig.inputs());
+        rig.push(0.0);
+    }
+    (control, rig)
+}
+
+#[test]
+fn an_unreferenced_loop_drives_nothing() {
+    let (mut control, mut rig) = unreferenced(0.0);
+    for request in
+        [Request::Excite(Excitation::default()), Request::Identify(Procedure::default()), Request::Probe]
+    {
+        let outputs = control.step(Some(&request), &rig.inputs());
+        assert_eq!((outputs.denied, outputs.mode), (Some(Denied::Unreferenced), ModeId::Idle), "{request:?}");
+        assert!(!outputs.amplifier && !outputs.referenced);
+        rig.push(0.0);
+    }
+    // 20 mm from where the count began: a stop may be there
+    let (mut control, mut rig) = unreferenced(0.020);
+    let outputs = control.step(Some(&Request::Render(true)), &rig.inputs());
+    assert_eq!((outputs.denied, outputs.mode), (None, ModeId::Rendering));
+    let mut largest = 0.0_f32;
+    for _ in 0..200 {
+        rig.carry(-0.05);
+        let outputs = control.step(None, &rig.inputs());
+        assert_eq!(outputs.fault, None);
+        largest = largest.max(outputs.force.abs());
+    }
+    assert!(largest <= UNREFERENCED && largest > 0.99 * UNREFERENCED, "{largest}");
+}
+
+#[test]
+fn zero_takes_the_handle_for_the_middle() {
+    let (mut control, mut rig) = unreferenced(0.011);
+    rig.carry(0.1);
+    control.step(None, &rig.inputs());
+    rig.carry(0.1);
+    let outputs = control.step(Some(&Request::Zero), &rig.inputs());
+    assert_eq!((outputs.denied, outputs.referenced), (Some(Denied::Moving), false));
+    for _ in 0..300 {
+        rig.carry(0.0);
+        control.step(None, &rig.inputs());
+    }
+    let count = rig.inputs().count;
+    let outputs = control.step(Some(&Request::Zero), &rig.inputs());
+    assert_eq!((outputs.denied, outputs.referenced), (None, true));
+    rig.carry(0.0);
+    let outputs = control.step(Some(&Request::Excite(Excitation::default())), &rig.inputs());
+    assert_eq!((outputs.denied, outputs.mode), (None, ModeId::Exciting));
+    assert_eq!(control.state().origin(), count);
+    assert_eq!(outputs.position, 0.0);
+    rig.push(0.0);
+    assert_eq!(control.step(Some(&Request::Zero), &rig.inputs()).denied, Some(Denied::Busy));
+}
+
+#[test]
+fn a_doubted_count_loses_the_origin() {
+    for (kind, kept) in [
+        (FaultKind::EncoderJump, false),
+        (FaultKind::EncoderSilent, false),
+        (FaultKind::BrownOut, false),
+        (FaultKind::EmergencyStop, true),
+        (FaultKind::EndOfStroke, true),
+    ] {
+        let (mut control, mut rig) = idle();
+        render(&mut control, &mut rig);
+        rig.push(0.0);
+        let outputs = control.step(Some(&Request::Raise(kind)), &rig.inputs());
+        assert_eq!((outputs.fault, outputs.referenced), (Some(kind), kept), "{kind}");
+        rig.carry(0.0);
+        let outputs = control.step(Some(&Request::ClearFault), &rig.inputs());
+        assert_eq!((outputs.denied, outputs.referenced), (None, kept), "{kind}");
+        rig.carry(0.0);
+        let denied = control.step(Some(&Request::Excite(Excitation::default())), &rig.inputs()).denied;
+        assert_eq!(denied, if kept { None } else { Some(Denied::Unreferenced) }, "{kind}");
+    }
+    // without a force it is no fault, but the middle has moved all the same
+    let (mut control, rig) = idle();
+    let mut inputs = rig.inputs();
+    inputs.count = inputs.count.wrapping_add(3_000);
+    let outputs = control.step(None, &inputs);
+    assert_eq!((outputs.fault, outputs.referenced), (None, false));
+}
+
+#[test]
+fn a_jump_far_away_leaves_a_way_out() {
+    let (mut control, mut rig) = idle();
+    render(&mut control, &mut rig);
+    rig.push(0.0);
+    let shifted = |rig: &Rig, k: u32| {
+        let inputs = rig.inputs();
+        let sample_ticks = inputs.sample_ticks.wrapping_add(k * 170_000);
+        Inputs { count: inputs.count.wrapping_add(1 << 30), sample_ticks, ..inputs }
+    };
+    let outputs = control.step(None, &shifted(&rig, 0));
+    assert_eq!(outputs.fault, Some(FaultKind::EncoderJump));
+    for k in 1..300 {
+        control.step(None, &shifted(&rig, k));
+    }
+    let outputs = control.step(Some(&Request::ClearFault), &shifted(&rig, 300));
+    assert_eq!((outputs.denied, outputs.fault, outputs.referenced), (None, None, false));
+    let outputs = control.step(Some(&Request::Zero), &shifted(&rig, 301));
+    assert_eq!((outputs.denied, outputs.referenced), (None, true));
+    assert_eq!(control.step(Some(&Request::Render(true)), &shifted(&rig, 302)).denied, None);
+}
+
 #[test]
 fn a_silent_host_is_a_fault() {
     let (mut control, mut rig) = idle();
@@ -202,7 +318,7 @@ fn an_excitation_ramps_in_and_returns_to_centre() {
         let excitation = Excitation { wave, amplitude_m, frequency_hz, seconds: 6.0 };
         let (mut control, mut rig) = idle();
         rig = Rig::new(rig.mass, rig.damping, 0.004);
-        let mut fresh = Control::new(*control.config());
+        let mut fresh = Control::referenced(*control.config());
         std::mem::swap(&mut control, &mut fresh);
         control.step(None, &rig.inputs());
         rig.push(0.0);
@@ -325,6 +441,9 @@ fn any_request() -> impl Strategy<Value = Request> {
         }),
         Just(Request::Stop),
         Just(Request::Off),
+        Just(Request::Zero),
+        Just(Request::Home),
+        Just(Request::Probe),
         Just(Request::ClearFault),
         (0..FaultKind::ALL.len()).prop_map(|k| Request::Raise(FaultKind::ALL[k])),
         any_number().prop_map(|seconds| Request::HostWatch { seconds }),
@@ -354,6 +473,7 @@ proptest! {
     #[test]
     fn nothing_makes_it_unsafe(
         settings in any_settings(),
+        knows: bool,
         wild_device in (any_number(), any_number(), any_number(), 0..8_u8),
         script in prop::collection::vec(
             (
@@ -374,7 +494,8 @@ proptest! {
             device.tick_hz = c as u32;
         }
         let config = settings.build(&device).or_else(|_| Settings::rubber().build(&Device::default()));
-        let mut control = Control::new(config.expect("the default device takes rubber"));
+        let config = config.expect("the default device takes rubber");
+        let mut control = if knows { Control::referenced(config) } else { Control::new(config) };
         let mut twin = control;
         let mut now = Inputs { load_code: 32_768, accel_code: 32_768, ..Inputs::default() };
         let mut latched: Option<FaultKind> = None;
@@ -407,7 +528,11 @@ proptest! {
                 prop_assert!(x.is_finite(), "{out:?}");
                 prop_assert_eq!(x.to_bits(), y.to_bits());
             }
-            prop_assert!(out.force.abs() <= 9.48, "{out:?}");
+            prop_assert!(out.force.abs() <= FORCE_MAX, "{out:?}");
+            if !out.referenced {
+                prop_assert!(!matches!(out.mode, ModeId::Exciting | ModeId::Identifying), "{out:?}");
+                prop_assert!(out.mode != ModeId::Rendering || out.force.abs() <= UNREFERENCED, "{out:?}");
+            }
             prop_assert!(out.amplifier || out.force == 0.0);
             prop_assert_eq!(out.fault.is_some(), out.mode == ModeId::Fault);
             if out.fault.is_some() {

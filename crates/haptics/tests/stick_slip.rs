@@ -101,7 +101,8 @@ impl Drawn {
     /// Frequency of the rendered block, Hz, with the complete control step and the handle moved along the stroke.
     fn rendered(&self, renderer: RendererKind, rate: u32) -> Option<f64> {
         let device = Device { period: 1.0 / rate as f32, ..Device::default() };
-        let mut control = Control::new(self.settings(renderer).build(&device).expect("within the bounds"));
+        let mut control =
+            Control::referenced(self.settings(renderer).build(&device).expect("within the bounds"));
         let ticks = u64::from(device.period_ticks());
         let start = -0.0145;
         let mut last = true;

@@ -59,6 +59,10 @@ function state(now) {
     $("fault").querySelector("strong").textContent = `Force is off. ${now.fault.id.replaceAll("_", " ")}:`;
     $("fault").querySelector("span").textContent = `${now.fault.says}. Then clear, hands off. `;
   }
+  $("origin").hidden = !now.connected || !now.unreferenced;
+  $("origin").querySelector("span").textContent =
+    `The device does not know the middle of its stroke since it started: at most ${now.unreferenced_force.toFixed(1)} N, and no motion.`;
+  for (const id of ["home", "zero"]) $(id).disabled = now.mode !== "idle";
   handle.state(now);
   controls.state(now);
   bench.state(now);
@@ -142,6 +146,8 @@ wire.on("open", () => { ring.next = null; });
 for (const id of ["stop", "stage-stop"]) $(id).addEventListener("click", stop);
 $("arm").addEventListener("click", () => wire.ask({ do: $("arm").getAttribute("aria-pressed") === "true" ? "disarm" : "arm" }));
 $("clear").addEventListener("click", () => wire.ask({ do: "clear" }));
+$("home").addEventListener("click", () => wire.ask({ do: "home" }));
+$("zero").addEventListener("click", () => wire.ask({ do: "zero" }));
 $("window").addEventListener("change", (event) => { scope.window = Number(event.target.value); if (scope.paused) scope.pause(true); scope.dirty = true; });
 $("pause").addEventListener("click", () => {
   const on = !scope.paused;

@@ -28,9 +28,9 @@ const SHARES = [0.36, 0.28, 0.36];
 /** What the window leaves for the plots, px. */
 const room = () => Math.max(innerWidth < 820 ? 340 : 420, innerHeight - 390);
 
-export const STATES = { idle: 0, rendering: 1, exciting: 2, identifying: 3, fault: 4 };
-const STATE_NAMES = ["idle, force off", "rendering", "driven", "identifying", "fault, force off"];
-const STATE_COLOURS = ["line", "velocity", "position", "command", "bad"];
+export const STATES = { idle: 0, rendering: 1, exciting: 2, identifying: 3, fault: 4, homing: 5 };
+const STATE_NAMES = ["idle, force off", "rendering", "driven", "identifying", "fault, force off", "searching the stops"];
+const STATE_COLOURS = ["line", "velocity", "position", "command", "bad", "position"];
 
 export class Scope {
   constructor(ring, box, reading) {

@@ -306,7 +306,7 @@ impl Bench {
         if let Some(order) = self.orders.overdue() {
             self.say(Tone::Error, "device", format!("no answer to `{}`", order.line));
         }
-        let driven = self.shared.known(|known| matches!(known.mode, "exciting" | "identifying"));
+        let driven = self.shared.known(|known| matches!(known.mode, "exciting" | "identifying" | "homing"));
         let Some(device) = &mut self.device else { return };
         let mut sent = Ok(());
         if let Some(line) = self.orders.next() {
@@ -358,6 +358,7 @@ impl Bench {
             known.period = header.sample_period();
             known.reach = 0.5 * f64::from(known.device.stroke);
             known.force_max = f64::from(known.device.force_max);
+            known.unreferenced_force = f64::from(known.device.unreferenced_force());
         });
         self.header = Some(header);
         self.dirty = true;
@@ -365,8 +366,9 @@ impl Bench {
     }
 
     fn sample(&mut self, sample: &Sample) {
-        let changed = self.last.is_none_or(|last| last.mode != sample.mode || last.fault != sample.fault);
-        if changed && self.shared.known(|known| known.state(sample.mode, sample.fault)) {
+        let state = |s: &Sample| (s.mode, s.fault, s.referenced);
+        let changed = self.last.is_none_or(|last| state(&last) != state(sample));
+        if changed && self.shared.known(|known| known.state(sample.mode, sample.fault, sample.referenced)) {
             self.dirty = true;
         }
         self.last = Some(*sample);

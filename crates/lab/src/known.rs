@@ -85,6 +85,10 @@ pub struct Known {
     pub mode: &'static str,
     /// The latched fault.
     pub fault: Option<FaultShown>,
+    /// The device says that it does not know the middle of its stroke.
+    pub unreferenced: bool,
+    /// Largest force until it does, N.
+    pub unreferenced_force: f64,
     /// Somebody asked for friction on the handle.
     pub armed: bool,
     /// Half the stroke, m.
@@ -131,6 +135,8 @@ impl Known {
             presets: Vec::new(),
             mode: ModeId::Idle.id(),
             fault: None,
+            unreferenced: false,
+            unreferenced_force: f64::from(device.unreferenced_force()),
             armed: false,
             reach: 0.5 * f64::from(device.stroke),
             force_max: f64::from(device.force_max),
@@ -171,8 +177,8 @@ impl Known {
         }
     }
 
-    /// State and fault of a sample; true when they are others than before.
-    pub(crate) fn state(&mut self, mode: u8, fault: u8) -> bool {
+    /// State, fault and reference of a sample; true when they are others than before.
+    pub(crate) fn state(&mut self, mode: u8, fault: u8, referenced: bool) -> bool {
         let mode = ModeId::from_code(mode).map_or("unknown", ModeId::id);
         let fault = (fault != 0).then(|| match FaultKind::from_code(fault) {
             Some(kind) => FaultShown { id: kind.id(), says: kind.explain() },
@@ -181,10 +187,10 @@ impl Known {
                 says: "a fault this host does not know; see `fault` on the device",
             },
         });
-        let news = mode != self.mode || fault != self.fault;
+        let news = mode != self.mode || fault != self.fault || self.unreferenced == referenced;
         // after a fault the device must be armed again
         self.armed &= fault.is_none();
-        (self.mode, self.fault) = (mode, fault);
+        (self.mode, self.fault, self.unreferenced) = (mode, fault, !referenced);
         news
     }
 
@@ -210,9 +216,10 @@ mod tests {
         known.listing(&["  k_vc 9000 N/m".into()]);
         assert!(known.parameter("stribeck.force_p").is_none(), "what is not listed is not there");
         known.armed = true;
-        assert!(known.state(4, 1));
+        assert!(known.state(4, 1, true));
         assert!(!known.armed, "a fault takes the arming back");
-        assert!(!known.state(4, 1));
+        assert!(!known.state(4, 1, true));
+        assert!(known.state(4, 1, false) && known.unreferenced);
         assert!(known.fault.as_ref().is_some_and(|f| f.says.contains("faster")));
     }
 }

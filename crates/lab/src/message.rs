@@ -17,6 +17,10 @@ pub enum Ask {
     Stop,
     /// Leaves the fault state.
     Clear,
+    /// Searches both stops, and the middle between them.
+    Home,
+    /// The handle is in the middle of its stroke.
+    Zero,
     /// Another preset.
     Use {
         /// Its name.

@@ -18,6 +18,8 @@ pub(crate) enum About {
     Stream,
     /// The silence limit of the device, restored at the end.
     Watch,
+    /// Whether a virtual device knows the middle of its stroke.
+    Origin,
     /// Sent for a page; its name in an error.
     Page(&'static str),
     /// A parameter.

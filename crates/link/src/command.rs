@@ -35,6 +35,10 @@ pub enum Command<'a> {
     Stop,
     /// `off`
     Off,
+    /// `zero`
+    Zero,
+    /// `home`
+    Home,
     /// `stream on [DECIMATION]`, control periods per frame; 0 is `stream off`.
     Stream(u32),
     /// `identify`
@@ -195,6 +199,8 @@ impl<'a> Command<'a> {
             "clear" => Self::Clear,
             "stop" => Self::Stop,
             "off" => Self::Off,
+            "zero" => Self::Zero,
+            "home" => Self::Home,
             "identify" => Self::Identify,
             "selftest" => Self::SelfTest,
             "preset" => Self::Preset(preset(&mut words)?),
@@ -322,6 +328,8 @@ mod tests {
             ("move sine 0.01 2 12", Command::Move(Excitation { seconds: 12.0, ..sine })),
             ("stop", Command::Stop),
             ("off", Command::Off),
+            ("zero", Command::Zero),
+            ("home", Command::Home),
             ("stream on", Command::Stream(1)),
             ("stream on 10", Command::Stream(10)),
             ("stream off", Command::Stream(0)),

@@ -43,6 +43,8 @@ pub struct Header {
     pub decimation: u32,
     /// Active preset.
     pub preset: String<24>,
+    /// Encoder count at position 0. A stream has a new header when it changes.
+    pub origin_count: i32,
 }
 
 /// One control period.
@@ -68,6 +70,8 @@ pub struct Sample {
     pub mode: u8,
     /// [`haptics::FaultKind`], 0 for none.
     pub fault: u8,
+    /// Whether position 0 is the middle of the stroke.
+    pub referenced: bool,
     /// Number of samples lost since the stream began, because the line was full.
     pub dropped: u32,
 }
@@ -84,9 +88,9 @@ impl Sample {
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub enum Frame {
-    /// Format 1.
+    /// Format 3.
     Header(Header),
-    /// Format 2.
+    /// Format 4.
     Sample(Sample),
 }
 
@@ -95,8 +99,8 @@ impl Frame {
     #[must_use]
     pub fn format(&self) -> u8 {
         match self {
-            Self::Header(_) => 1,
-            Self::Sample(_) => 2,
+            Self::Header(_) => 3,
+            Self::Sample(_) => 4,
         }
     }
 }
@@ -135,12 +139,13 @@ pub fn decode_payload(payload: &[u8]) -> Option<(u32, Frame)> {
     }
     let [0, format, rest @ ..] = body else { return None };
     // no bytes may remain: a longer body is another format
+    // formats 1 and 2 are of firmware that knew no origin
     match format {
-        1 => match postcard::take_from_bytes::<(u32, Header)>(rest).ok()? {
+        3 => match postcard::take_from_bytes::<(u32, Header)>(rest).ok()? {
             ((seq, header), []) => Some((seq, Frame::Header(header))),
             _ => None,
         },
-        2 => match postcard::take_from_bytes::<(u32, Sample)>(rest).ok()? {
+        4 => match postcard::take_from_bytes::<(u32, Sample)>(rest).ok()? {
             ((seq, sample), []) => Some((seq, Frame::Sample(sample))),
             _ => None,
         },

@@ -34,6 +34,8 @@ pub const HELP: &[HelpLine] = &[
     ),
     line("stop", "stops rendering, a motion or an identification; a motion ramps out"),
     line("off", "switches the amplifier off at once, whatever runs"),
+    line("zero", "the handle is in the middle of its stroke: moved there by hand, amplifier off"),
+    line("home", "searches both stops and the middle between them, slowly and with little force; hands off"),
     line("stream on|off [DECIMATION]", "binary frames, one every DECIMATION control periods"),
     line("identify", "identifies the block on the device in 12 s; hands off the handle"),
     line("watch [SECONDS]", "longest silence of the host while it drives the handle; 0: no limit"),

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 fn sample() -> impl Strategy<Value = Sample> {
     let words = (any::<u32>(), any::<u32>(), any::<i32>(), any::<u32>(), any::<u16>(), any::<u16>());
-    let rest = (-1e3_f32..1e3, -1.0_f32..1.0, any::<u8>(), any::<u8>(), any::<u32>());
+    let rest = (-1e3_f32..1e3, -1.0_f32..1.0, any::<u8>(), any::<u8>(), any::<u32>(), any::<bool>());
     (words, rest).prop_map(|(w, r)| Sample {
         step: w.0,
         sample_ticks: w.1,
@@ -19,6 +19,7 @@ fn sample() -> impl Strategy<Value = Sample> {
         mode: r.2,
         fault: r.3,
         dropped: r.4,
+        referenced: r.5,
     })
 }
 
@@ -56,6 +57,7 @@ fn the_longest_frames_fit() {
         accel: channel,
         decimation: u32::MAX,
         preset: "abcdefghijklmnopqrstuvwx".try_into().unwrap(),
+        origin_count: i32::MIN,
     };
     let widest = Sample {
         step: u32::MAX,
@@ -68,6 +70,7 @@ fn the_longest_frames_fit() {
         reference: -0.01,
         mode: 255,
         fault: 255,
+        referenced: true,
         dropped: u32::MAX,
     };
     for frame in [Frame::Header(header), Frame::Sample(widest)] {

@@ -186,7 +186,7 @@ impl Bench {
         let rendered = resistance.rendered();
         let settings = settings(rendered.as_ref())?;
         let device = Device::default();
-        let control = Control::new(settings.build(&device).map_err(|e| e.to_string())?);
+        let control = Control::referenced(settings.build(&device).map_err(|e| e.to_string())?);
         let b = own.device_damping;
         let felt = match (rendered, real) {
             (Some(s), _) => {

@@ -65,12 +65,13 @@ pub fn simulate(
     let excitation = motion.excitation(0.0);
     excitation.validate(&device).map_err(|e| refused(&e))?;
     let config = Settings::viscous().build(&device).map_err(|e| refused(&e))?;
-    let mut control = Control::new(config);
+    let mut control = Control::referenced(config);
     let mut plant = Rig::new(rig, slide, seed).map_err(|e| refused(&e))?;
     let c = &rig.calibration;
     let calibration = Calibration {
         tick_hz: f64::from(c.tick_hz),
         metre_per_count: c.metre_per_count,
+        origin_count: 0,
         load_offset: c.load.offset_code,
         load_unit: c.load.unit_per_code,
         accel_offset: c.accel.offset_code,

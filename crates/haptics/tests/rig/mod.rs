@@ -103,7 +103,7 @@ fn edges(path: &dyn Fn(f64) -> f64, mut count: i64, ticks: u64, mut edge: u64) -
 
 /// A running loop.
 pub fn control(settings: &Settings) -> Control {
-    Control::new(settings.build(&Device::default()).expect("valid settings"))
+    Control::referenced(settings.build(&Device::default()).expect("valid settings"))
 }
 
 /// Turns rendering on.

@@ -29,6 +29,9 @@ impl Bench {
                     text.trim_end_matches(" Hz").rsplit(' ').next().and_then(|hz| hz.parse::<u32>().ok());
                 let decimation = hz.map_or(1, |hz| (hz / 1_000).max(1));
                 self.orders.first(format!("stream on {decimation}"), About::Stream);
+                if text.contains(" on the simulated rig") {
+                    self.orders.push("status", About::Origin);
+                }
                 self.shared.known(|known| {
                     known.version = text;
                     known.connected = true;
@@ -43,6 +46,12 @@ impl Bench {
             About::Presets => {
                 self.shared.known(|known| known.preset_list(&answer.first));
                 self.dirty = true;
+            }
+            // nobody has to be asked before a virtual device moves
+            About::Origin => {
+                if text.split(", ").any(|part| part == "unreferenced") {
+                    self.orders.push("home", About::Page("home"));
+                }
             }
             About::Watch => {
                 // `watch 30 s: …`, or `watch off: …`

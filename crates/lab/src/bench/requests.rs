@@ -17,9 +17,29 @@ impl Bench {
         if self.held(&ask) {
             return self.say(Tone::Refused, "experiment", "a session is open: leave it first");
         }
+        if self.unreferenced(&ask) {
+            return self.say(
+                Tone::Refused,
+                "device",
+                "the device does not know the middle of its stroke: let it search both stops, or move the handle there and say so",
+            );
+        }
         if let Err((about, why)) = self.obey(ask) {
             self.say(Tone::Refused, about, why);
         }
+    }
+
+    /// What needs all of the force, or moves the handle, while the device does not know the middle of its stroke.
+    fn unreferenced(&self, ask: &Ask) -> bool {
+        let needs = matches!(
+            ask,
+            Ask::Move { .. }
+                | Ask::BeginTargeting { .. }
+                | Ask::BeginChoice { .. }
+                | Ask::Resume { .. }
+                | Ask::Ready
+        );
+        needs && self.shared.known(|known| known.unreferenced)
     }
 
     /// What must not be changed while a session is open: it would change what is felt.
@@ -27,6 +47,8 @@ impl Bench {
         let changes = matches!(
             ask,
             Ask::Arm
+                | Ask::Home
+                | Ask::Zero
                 | Ask::Use { .. }
                 | Ask::Set { .. }
                 | Ask::Move { .. }
@@ -59,6 +81,18 @@ impl Bench {
                     self.orders.push("sim hand off", About::Hand);
                 }
                 self.orders.push("clear", About::Page("clear"));
+                Ok(())
+            }
+            Ask::Home => {
+                if self.shared.known(|known| known.sim) {
+                    self.orders.push("sim hand off", About::Hand);
+                }
+                self.shared.known(|known| known.armed = false);
+                self.orders.push("home", About::Page("home"));
+                Ok(())
+            }
+            Ask::Zero => {
+                self.orders.push("zero", About::Page("zero"));
                 Ok(())
             }
             Ask::Use { name } => self.use_preset(&name).map_err(|why| ("preset", why)),

@@ -33,7 +33,7 @@ const COMMANDS: [&str; 12] = [
 const REFUSED: [&str; 14] = [
     "rendre on",
     "render",
-    "render on off",
+    "render on on",
     "set",
     "set dv",
     "set dv NaN",

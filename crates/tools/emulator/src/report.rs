@@ -109,7 +109,7 @@ pub fn observe(image: &Image, seconds: f64, mut progress: impl FnMut(f64)) -> Re
     bench.run(BOOT_MS);
     let boot_ms = bench.machine.first_step_ms().ok_or(Unfit::NoStep(BOOT_MS))?;
     // the banner and other first output
-    for command in ["preset use rubber", "render on", "stream on"] {
+    for command in ["zero", "preset use rubber", "render on", "stream on"] {
         bench.obeyed(command)?;
     }
     bench.machine.set_hand(to_and_fro);

@@ -59,7 +59,22 @@ fn tribos_identifies_the_real_firmware() {
     let dir = tempfile::tempdir().expect("a temporary directory");
     let file = |name: &str| dir.path().join(name).display().to_string();
     let (recording, json) = (file("rec.csv"), file("id.json"));
-    tribos(&["record", &port, "--move", "sine 0.01 2 2", "--out", &recording]);
+    // nobody is there to ask
+    let quietly = <Cli as clap::Parser>::try_parse_from([
+        "tribos",
+        "record",
+        &port,
+        "--move",
+        "sine 0.01 2 2",
+        "--out",
+        &recording,
+    ]);
+    let refused = tribos::run(&quietly.expect("as documented")).expect_err("it must not move by itself");
+    println!("{}", refused.message());
+    assert!(
+        refused.message().ends_with("the device does not know the middle of its stroke since it started")
+    );
+    tribos(&["record", &port, "--move", "sine 0.01 2 2", "--out", &recording, "--yes"]);
     let mut csv = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&recording).expect("written");
     let column = csv.headers().expect("a header").iter().position(|name| name == "time_s").expect("time_s");
     let times: Vec<f64> =

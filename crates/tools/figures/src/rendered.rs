@@ -65,7 +65,7 @@ fn simulated() -> Result<Vec<(f64, f64)>> {
     let config = RigConfig { actuation_delay: 0, ..RigConfig::free_handle() };
     let free = Custom(|_: &Motion<f64>| 0.0);
     let mut rig = Rig::new(config, free, 2)?;
-    let mut control = Control::new(settings.build(&device)?);
+    let mut control = Control::referenced(settings.build(&device)?);
     let mut sensors = rig.sensors();
     let mut felt = Vec::new();
     let mut step = 0_u32;

@@ -4,7 +4,7 @@ use super::demo;
 use crate::failure::{Failure, Outcome, Result};
 use crate::files;
 use crate::options;
-use crate::terminal::Terminal;
+use crate::terminal::{Terminal, reference};
 use client::{Move, Session, Virtual};
 use diagnose::Limits;
 use friction::effects::Effect;
@@ -32,6 +32,9 @@ pub struct Args {
     /// Largest number of rounds
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=100))]
     rounds: u16,
+    /// Let a device that does not know the middle of its stroke search both stops, without asking; hands off
+    #[arg(long)]
+    yes: bool,
     /// `sim` only: effect to conceal in the rig: an effect of the catalogue, `random` or `none`
     #[arg(long, value_name = "EFFECT")]
     conceal: Option<String>,
@@ -64,6 +67,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     }
     let effect = args.conceal.as_deref().map_or(Ok(None), |name| demo::choose(name, args.size, args.seed))?;
     let mut session = open(&args.port, args.seed, effect.as_ref())?;
+    reference(&mut session, args.yes)?;
     let notes = vec![("device".to_owned(), session.command("version")?.trim_start_matches("ok ").to_owned())];
     let out = args.out.clone().unwrap_or_else(|| demo::fresh_folder("tribos-investigation"));
     std::fs::create_dir_all(&out)

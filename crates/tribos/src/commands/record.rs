@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::options;
-use crate::terminal::record;
+use crate::terminal::{record, reference};
 use client::{Move, Plan, Session};
 use std::path::PathBuf;
 
@@ -24,6 +24,9 @@ pub struct Args {
     /// Motion to drive the handle with, e.g. "sine 0.01 2" (m, Hz)
     #[arg(long = "move", value_name = "WAVE AMP FREQ [SECONDS]")]
     motion: Option<Move>,
+    /// Let a device that does not know the middle of its stroke search both stops, without asking; hands off
+    #[arg(long)]
+    yes: bool,
     /// `sim` only: what the real block slides on: none, brass, teflon or rubber
     #[arg(long, value_name = "MATERIAL")]
     block: Option<String>,
@@ -41,6 +44,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     }
     crate::files::check_writable(&args.out)?;
     let mut session = Session::open(&args.port, args.seed)?;
+    if args.motion.is_some() || args.preset.is_some() {
+        reference(&mut session, args.yes)?;
+    }
     let mut notes =
         vec![("device".to_owned(), session.command("version")?.trim_start_matches("ok ").to_owned())];
     if simulated {

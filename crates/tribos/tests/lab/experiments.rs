@@ -242,17 +242,28 @@ pub fn what_is_finished_survives_the_death_of_server_browser_and_device() {
 
 /// A device behind a pseudo-terminal; dropping it is pulling its cable.
 #[cfg(unix)]
-struct Cable {
-    name: String,
+pub struct Cable {
+    pub name: String,
     pulled: std::sync::Arc<std::sync::atomic::AtomicBool>,
     /// State of the machine, and force, mN.
-    now: std::sync::Arc<(std::sync::atomic::AtomicU8, std::sync::atomic::AtomicI32)>,
+    pub now: std::sync::Arc<(std::sync::atomic::AtomicU8, std::sync::atomic::AtomicI32)>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
 #[cfg(unix)]
 impl Cable {
+    /// A virtual device that knows the middle of its stroke.
     fn plug() -> Self {
+        let mut device = tribos_firmware::VirtualDevice::new(&Default::default()).expect("a device");
+        device.home().expect("both stops");
+        Self::to(device, |_| {})
+    }
+
+    /// This device; `garble` changes the bytes it sends.
+    pub fn to(
+        mut device: tribos_firmware::VirtualDevice,
+        garble: impl Fn(&mut Vec<u8>) + Send + 'static,
+    ) -> Self {
         use serialport::{SerialPort, TTYPort};
         use std::io::{Read, Write};
         use std::sync::atomic::Ordering;
@@ -266,7 +277,6 @@ impl Cable {
         let thread = std::thread::spawn(move || {
             // ours and theirs live until the cable is pulled
             let _theirs = theirs;
-            let mut device = tribos_firmware::VirtualDevice::new(&Default::default()).expect("a device");
             let (mut due, mut out, mut chunk) = (std::time::Instant::now(), Vec::new(), [0; 512]);
             while !seen.load(Ordering::SeqCst) {
                 if let Ok(count) = ours.read(&mut chunk) {
@@ -278,7 +288,10 @@ impl Cable {
                 }
                 told.0.store(device.mode().code(), Ordering::SeqCst);
                 told.1.store((1e3 * device.outputs().force) as i32, Ordering::SeqCst);
-                device.read(&mut out);
+                let mut sent = Vec::new();
+                device.read(&mut sent);
+                garble(&mut sent);
+                out.append(&mut sent);
                 // a line that is full waits
                 while let Ok(count @ 1..) = ours.write(&out) {
                     out.drain(..count);

@@ -8,6 +8,8 @@ mod analysis;
 mod browser;
 mod cost;
 mod experiments;
+#[cfg(unix)]
+mod origin;
 mod scope;
 
 use browser::CHROMIUM;
@@ -20,6 +22,8 @@ fn main() -> ExitCode {
             access::beyond_loopback_nobody_comes_in_without_the_token,
             access::ten_thousand_malformed_messages_crash_nothing,
             access::batches_of_ones_own_are_presented_and_what_the_device_would_refuse_is_refused_before_the_first_trial,
+            origin::a_virtual_device_on_a_port_is_homed_by_itself,
+            origin::a_real_device_is_homed_only_when_the_page_asks,
             experiments::a_driven_handle_is_let_go_within_seconds_of_the_labs_death,
         ],
         tests![access::a_hundred_thousand_malformed_messages_crash_nothing]
