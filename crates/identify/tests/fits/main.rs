@@ -11,7 +11,7 @@ mod uneven;
 use plant::Series;
 use signals::Recording;
 
-/// A simulated run with every channel that the thesis recorded.
+/// A simulated run, with velocity and acceleration beside position and force.
 fn recorded(run: Series) -> Recording {
     Recording {
         name: "simulated".into(),
