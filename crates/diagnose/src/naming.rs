@@ -139,7 +139,9 @@ impl Named {
         if contradicted {
             let stays = |kind: TermKind| found.has(kind);
             let named = self.found.atoms.iter().zip(&self.p).filter(|(a, _)| stays(a.term.kind));
-            self.p = named.map(|(_, p)| *p).collect();
+            let p = named.map(|(_, p)| *p).collect();
+            let described = described.measured(&search, &found);
+            self.p = p;
             (self.last, self.gains) = (described.beside(&found), described.gains);
             (self.found, self.kin) = (found, kin);
         } else {

@@ -225,6 +225,13 @@ fn findings(page: &mut Page, d: &Diagnosis) {
             if let Some(hint) = &form.looks_like {
                 page.html(looks_like(hint));
             }
+            if !form.kin.is_empty() {
+                let kin: Vec<String> = form.kin.iter().map(|k| words(k)).collect();
+                page.html(format!(
+                    "<p>Named at first, and needless beside this curve: {}.</p>",
+                    kin.join(", ")
+                ));
+            }
         }
     }
 }

@@ -4,6 +4,8 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // a reader that has enough, as `head`, ends the command; printing would panic
+    sigpipe::reset();
     let cli = tribos::Cli::parse();
     match tribos::run(&cli) {
         Ok(outcome) => outcome.into(),

@@ -90,6 +90,17 @@ impl Described {
         Some(out)
     }
 
+    /// Measures again what each form gains beside `found` and the other forms.
+    pub fn measured(mut self, search: &Search, found: &Hypothesis) -> Self {
+        for i in 0..self.terms.len() {
+            let Some(fewer) = self.without(search, found, Some(i)) else { continue };
+            let (before, after) = (fewer.fit.heldout_sum(), self.fit.heldout_sum());
+            let interval = search.gains(&fewer.fit, &self.fit);
+            self.gains[i] = Gain { before, after, interval, ..self.gains[i] };
+        }
+        self
+    }
+
     /// The hypothesis with its forms.
     pub fn beside(&self, found: &Hypothesis) -> Hypothesis {
         Hypothesis { atoms: found.atoms.clone(), free: self.terms.clone(), fit: self.fit.clone() }

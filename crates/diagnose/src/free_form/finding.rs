@@ -72,12 +72,7 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
         Factor::Direction => ("friction", "sgn(v)*"),
         Factor::Velocity => ("a viscous coefficient", "v*"),
     };
-    let kin_of = match kin {
-        [] => String::new(),
-        all => format!("; it is no {}, which does not fit beside it", all.join(", no ")),
-    };
     let formula = looks_like(term);
-    let hint = formula.as_ref().map_or_else(String::new, |f| format!("; it looks like {}", f.formula));
     let looks_like = formula.map(|f| LooksLike {
         formula: f.formula,
         parameters: f
@@ -97,11 +92,7 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
         std::iter::once(form.over).chain(across).map(|c| c.id().to_string()).collect();
     Missing {
         effect: Unnamed::ABOUT.id.into(),
-        says: format!(
-            "{what} that depends on {on} and has no name: from {} to {} {unit}{hint}{kin_of}",
-            short(low),
-            short(high)
-        ),
+        says: format!("{what} over {on}, from {} to {} {unit}", short(low), short(high)),
         equation: format!("{times}f({})", coordinates.join(", ")),
         parameters: BTreeMap::new(),
         rms_heldout_before: to_rms(gain.before),

@@ -4,7 +4,7 @@ use crate::failure::{Failure, Outcome, Result};
 use crate::options::{Recordings, Results};
 use crate::progress::Progress;
 use crate::{files, reading};
-use diagnose::{Diagnosis, Nuisance, Options, Verdict, diagnose};
+use diagnose::{Diagnosis, FreeFormFinding, Nuisance, Options, Verdict, diagnose};
 use report::Table;
 use report::number::{number, with_std};
 use std::path::PathBuf;
@@ -125,7 +125,7 @@ fn effects_help() -> String {
 /// An id that the diagnosis knows.
 pub(crate) fn check_finding(id: &str) -> Result<()> {
     let known = diagnose::effect_ids();
-    if known.contains(&id) || matches!(id, "mismatch" | "no_mismatch" | "not_testable") {
+    if known.contains(&id) || matches!(id, "unnamed" | "mismatch" | "no_mismatch" | "not_testable") {
         return Ok(());
     }
     Err(Failure::new(format!("`{id}` is no effect")).help(format!("accepted are {}", known.join(", "))))
@@ -189,6 +189,22 @@ pub(crate) fn outline(name: &str, found: &Diagnosis) -> String {
     out
 }
 
+/// What is known of physics that has no name.
+fn free_form(form: &FreeFormFinding, experiment: &str) -> String {
+    let mut out = String::new();
+    if let Some(hint) = &form.looks_like {
+        out += &format!("    looks like gain*{}\n", hint.formula);
+        for (name, q) in &hint.parameters {
+            out += &format!("      {name} = {} {}\n", number(q.value, 4), q.unit);
+        }
+        out += &format!("      usually made by {}\n", hint.made_by);
+    }
+    if !form.kin.is_empty() {
+        out += &format!("    named at first, and needless beside it: {}\n", form.kin.join(", "));
+    }
+    out + &format!("    to learn more: {experiment}\n")
+}
+
 /// The diagnosis as people read it.
 pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
     let unit = found.noise_floor.unit.as_str();
@@ -204,6 +220,9 @@ pub(crate) fn describe(name: &str, found: &Diagnosis) -> String {
         }
         if !m.experiment.is_empty() && !m.indistinguishable_from.is_empty() {
             out += &format!("    to tell them apart: {}\n", m.experiment);
+        }
+        if let Some(form) = &m.free_form {
+            out += &free_form(form, &m.experiment);
         }
     }
     for m in &found.instruments {
