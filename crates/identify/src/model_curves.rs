@@ -10,7 +10,7 @@
 //! values = [0.0, 0.2, 0.0]         # N at the knots; of a map for each of `knots` at all of `knots_across`
 //! ```
 
-use crate::model_toml::decimal;
+use crate::model_words::decimal;
 use friction::{Coordinate, Factor, FreeForm, Invalid, Knots};
 use std::fmt::Write;
 use toml::de::{DeTable, DeValue};

@@ -28,7 +28,7 @@
 
 use crate::identification::unit_of;
 use crate::model::{Coupling, Model};
-use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file};
+use crate::model_words::{Complaint, MODEL_SCHEMA, decimal, name_in_file};
 use crate::{model_curves, model_read};
 use friction::effects::EffectKind;
 use friction::parameters::OFFSET;
@@ -154,12 +154,6 @@ impl Model {
         text.push_str(&model_curves::write(&self.curves));
         text
     }
-}
-
-/// Shortest decimal that reads back as the same number; TOML wants a point or an exponent in a float.
-pub(crate) fn decimal(value: f64) -> String {
-    let text = format!("{value:?}");
-    if text.contains(['.', 'e', 'n']) { text } else { format!("{text}.0") }
 }
 
 fn quoted(text: &str) -> String {

@@ -57,3 +57,9 @@ pub(crate) fn sensor_words() -> String {
         .collect();
     ids.join(", ")
 }
+
+/// Shortest decimal that reads back as the same number; TOML wants a point or an exponent in a float.
+pub(crate) fn decimal(value: f64) -> String {
+    let text = format!("{value:?}");
+    if text.contains(['.', 'e', 'n']) { text } else { format!("{text}.0") }
+}

@@ -44,8 +44,6 @@ fn all(seconds: f64) -> Vec<Candidate> {
         curve(TimeSinceReversal, Direction),
         map(Position, Velocity),
         map(Time, Velocity),
-        map(Acceleration, Velocity),
-        map(Position, Acceleration),
     ];
     for share in MEMORIES {
         for times in [Direction, Viscous] {
@@ -73,7 +71,11 @@ const KEPT: usize = 20_000;
 impl Library {
     pub fn new(design: &DesignMatrix) -> Self {
         let seconds = design.tracks.iter().map(|t| t.len() as f64 * t.raw.dt).fold(0.0, f64::max);
-        Self { candidates: all(seconds), kept: Mutex::default() }
+        // derived from the position alone, its noise is that of the mass's column: noise would depend on it
+        let measured = design.tracks.iter().all(|t| t.raw.velocity.is_some() || t.raw.acceleration.is_some());
+        let mut candidates = all(seconds);
+        candidates.retain(|c| measured || c.over != Coordinate::Acceleration);
+        Self { candidates, kept: Mutex::default() }
     }
 
     /// The form of a candidate with this many knots, and its columns.

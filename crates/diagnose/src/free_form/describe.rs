@@ -1,6 +1,7 @@
 //! The search for free forms: the one that predicts best what it was not fitted on, then the next.
 
 use crate::free_form::candidate::{Candidate, Library};
+use crate::free_form::crossing;
 use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::{FOLDS, Fit, fit};
@@ -165,18 +166,32 @@ fn next(
         .collect();
     trials.extend(closer.into_par_iter().filter_map(|(c, knots)| trial(c, knots)).collect::<Vec<_>>());
     let before = so_far.fit.heldout_sum();
-    let least = trials.iter().map(heldout).fold(f64::INFINITY, f64::min);
-    let chosen = trials
-        .into_iter()
-        .filter(|t| heldout(t) <= (1.0 + SIMPLER) * least)
-        .min_by_key(|t| t.term.columns.len())?;
-    let p = best.iter().find(|(c, _)| *c == chosen.candidate).map_or(1.0, |(_, p)| *p);
-    let after = heldout(&chosen);
-    let interval = search.gains(&so_far.fit, &chosen.fit);
     let material = (MATERIAL * (before - search.floor)).max(SEEN * search.floor).max(search.systematic);
-    let holds = || chosen.term.is_of_time() || lasts(search, &basis, &chosen, regimes);
-    let sure = p <= LEVEL && interval[0] > 0.0 && before - after >= material && holds();
-    sure.then_some((chosen.term, Gain { before, after, interval, p }, chosen.fit))
+    // one after the other, until one holds where it was not fitted
+    while let Some(chosen) = simplest(&mut trials) {
+        let p = best.iter().find(|(c, _)| *c == chosen.candidate).map_or(1.0, |(_, p)| *p);
+        let after = heldout(&chosen);
+        let interval = search.gains(&so_far.fit, &chosen.fit);
+        let clear = p <= LEVEL && interval[0] > 0.0 && before - after >= material;
+        let holds = || {
+            (chosen.term.is_of_time() || lasts(search, &basis, &chosen, regimes))
+                && crossing::holds(design, &chosen.candidate, &basis, &chosen.term.columns)
+        };
+        if clear && holds() {
+            return Some((chosen.term, Gain { before, after, interval, p }, chosen.fit));
+        }
+        trials.retain(|t| t.candidate != chosen.candidate);
+    }
+    None
+}
+
+/// Takes the simplest of the trials that are as good as the best one.
+fn simplest(trials: &mut Vec<Trial>) -> Option<Trial> {
+    let heldout = |t: &Trial| t.fit.heldout_sum();
+    let least = trials.iter().map(heldout).fold(f64::INFINITY, f64::min);
+    let good = (0..trials.len()).filter(|i| heldout(&trials[*i]) <= (1.0 + SIMPLER) * least);
+    let first = good.min_by_key(|i| trials[*i].term.columns.len())?;
+    Some(trials.swap_remove(first))
 }
 
 /// Family-wise p of the best column of each trial.

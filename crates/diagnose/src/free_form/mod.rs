@@ -3,6 +3,7 @@
 
 pub mod candidate;
 pub mod contradiction;
+pub mod crossing;
 pub mod describe;
 pub mod finding;
 pub mod formula;

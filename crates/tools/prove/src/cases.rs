@@ -1,7 +1,8 @@
 //! Which effects are hidden where, and how strong: planned from one seed, in an order that tells nothing.
 
 use crate::body::Body;
-use crate::hidden::{ALL, Hidden, Kind, find};
+use crate::hidden::{ALL, Hidden, find};
+use crate::kind::Kind;
 use crate::motion::Programme;
 use crate::open::{self, Smooth};
 use crate::plant::{History, run};

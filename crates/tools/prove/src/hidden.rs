@@ -1,29 +1,12 @@
 //! What can be hidden: every effect of the catalogue in equations of this module's own, each scaled by one size.
 
 use crate::body::{Body, State};
+use crate::kind::Kind;
 use crate::motion::LOAD;
 use crate::open::{self, Smooth};
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-
-/// An effect to hide.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Kind {
-    /// Catalogue id.
-    pub id: &'static str,
-    /// Other answers that are right: one class with it, or what its recording is a case of.
-    pub also: &'static [&'static str],
-    /// Coordinates over which its residual shows.
-    pub shows_over: &'static [&'static str],
-    /// A size to start from, and the largest that is still this effect.
-    pub size: (f64, f64),
-    /// Only an axis has it.
-    pub rotary: bool,
-    /// No motion of one body on a level slide, seen by its own sensors, tells it from the baseline: the right answer is to
-    /// say so.
-    pub never: bool,
-}
 
 /// Share of a transmission's loss that is left when the load drives it.
 const BACK: f64 = 0.3;

@@ -18,6 +18,7 @@ mod cases;
 mod error;
 mod estimator;
 mod hidden;
+mod kind;
 mod motion;
 mod open;
 mod plant;

@@ -2,7 +2,7 @@
 //! of coordinates or of what was slid; the others are what machines do.
 
 use crate::body::State;
-use crate::hidden::Kind;
+use crate::kind::Kind;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;

@@ -1,0 +1,76 @@
+//! Whether a free form holds where another coordinate is different. A form has no law behind it, and in a motion that
+//! repeats everything depends on everything: a map over velocity and acceleration then stands for the position, and is of
+//! no use in the next motion.
+
+use crate::findings::locate::row_motion;
+use crate::free_form::candidate::Candidate;
+use crate::library::design_matrix::DesignMatrix;
+use crate::regression::linear::solve;
+use friction::Coordinate;
+use signals::{Basis, dot, quantile};
+
+/// Parts of the other coordinate that are each left out in turn: thirds for a map. For a curve each is every third of
+/// [`BANDS`] bands, so that the slow ends and the quick middle of a stroke are in all of them.
+const PARTS: usize = 3;
+const BANDS: usize = 9;
+/// Share of what a form explains where it was fitted that it has to explain where it was not.
+const HOLDS: f64 = 0.5;
+/// Information about each column before the fit, as a share of all there is: what is not met elsewhere is no force.
+const PRIOR: f64 = 1e-3;
+
+/// The coordinate, by row, over which a form has to hold.
+fn other(design: &DesignMatrix, candidate: &Candidate) -> Vec<f64> {
+    let (position, velocity) = row_motion(design);
+    let axes = [Some(candidate.over), candidate.across];
+    let has = |c: Coordinate| axes.contains(&Some(c));
+    let magnitudes = |of: &[f64]| of.iter().map(|x| x.abs()).collect();
+    match (has(Coordinate::Position), has(Coordinate::Velocity)) {
+        // the first column of the baseline is the acceleration
+        (true, true) => magnitudes(&design.baseline[0]),
+        (true, false) => magnitudes(&velocity),
+        _ => position,
+    }
+}
+
+/// Whether `columns` explain `y` in each part of another coordinate, fitted on the others. `basis` is the span of
+/// everything else.
+pub fn holds(design: &DesignMatrix, candidate: &Candidate, basis: &Basis, columns: &[Vec<f64>]) -> bool {
+    let other = other(design, candidate);
+    let used: Vec<usize> =
+        (0..other.len()).filter(|r| design.share[*r] > 0.5 && other[*r].is_finite()).collect();
+    let values: Vec<f64> = used.iter().map(|r| other[*r]).collect();
+    let edges: Vec<f64> = (1..BANDS).map(|k| quantile(&values, k as f64 / BANDS as f64)).collect();
+    let part_of = |r: &usize| {
+        let band = edges.partition_point(|e| *e <= other[*r]);
+        if candidate.across.is_some() { band * PARTS / BANDS } else { band % PARTS }
+    };
+    let own: Vec<Vec<f64>> = columns.iter().map(|c| basis.project_out(c)).collect();
+    let y = basis.project_out(&design.y);
+    let power: Vec<f64> = own.iter().map(|c| PRIOR * dot(c, c)).collect();
+    let fitted = |rows: &[usize]| {
+        let of = |column: &[f64], prior: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            rows.iter().map(|r| column[*r]).chain((0..own.len()).map(prior)).collect()
+        };
+        let with_prior: Vec<Vec<f64>> = own
+            .iter()
+            .enumerate()
+            .map(|(i, c)| of(c, &|k| if k == i { power[i].sqrt() } else { 0.0 }))
+            .collect();
+        solve(&with_prior, &of(&y, &|_| 0.0))
+    };
+    let error = |rows: &[usize], coefficients: &[f64]| -> f64 {
+        let left = |r: &usize| y[*r] - own.iter().zip(coefficients).map(|(c, b)| c[*r] * b).sum::<f64>();
+        rows.iter().map(|r| left(r).powi(2)).sum()
+    };
+    let Some(all) = fitted(&used) else { return false };
+    let none = vec![0.0; own.len()];
+    let (mut without, mut there, mut elsewhere) = (0.0, 0.0, 0.0);
+    for k in 0..PARTS {
+        let (part, rest): (Vec<usize>, Vec<usize>) = used.iter().copied().partition(|r| part_of(r) == k);
+        let Some(coefficients) = fitted(&rest) else { return false };
+        without += error(&part, &none);
+        there += error(&part, &all);
+        elsewhere += error(&part, &coefficients);
+    }
+    without - elsewhere >= HOLDS * (without - there)
+}
