@@ -10,6 +10,7 @@ use crate::place::{Place, Way};
 use crate::rivals;
 use crate::structure::{Found, Protocol, Stage, Structure, Term, gains, identified};
 use friction::effects::EffectKind;
+use friction::parameters::OFFSET;
 use std::ops::Range;
 use std::path::Path;
 
@@ -43,7 +44,7 @@ pub const STRUCTURE: Structure = Structure {
             name: "quadratic drag",
             places: &[Place::Gain(EffectKind::QuadraticDrag, 0), Place::Gain(EffectKind::QuadraticDrag, 1)],
         },
-        Term { name: "offset", places: &[Place::Gain(EffectKind::Offset, 0)] },
+        Term { name: OFFSET.name, places: &[Place::Gain(EffectKind::Offset, 0)] },
         Term { name: "time skew", places: &[Place::Delay] },
     ],
 };

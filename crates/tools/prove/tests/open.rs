@@ -29,7 +29,7 @@ fn cases(name: &str, effects: &[&str]) -> Vec<Value> {
 
 #[test]
 fn what_is_in_nobodys_catalogue_is_a_curve_that_predicts_the_next_motion() {
-    let effects = ["one_sided_spring", "random_position_friction", "eddy_current_brake"];
+    let effects = ["one_sided_spring", "random_position_friction", "detent"];
     for case in cases("curve", &effects) {
         let named: Vec<&str> = case["named"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
         if case["kind"] == "null" {

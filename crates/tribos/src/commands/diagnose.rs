@@ -5,6 +5,7 @@ use crate::options::{Recordings, Results};
 use crate::progress::Progress;
 use crate::{files, reading};
 use diagnose::{Diagnosis, FreeFormFinding, Nuisance, Options, Verdict, diagnose};
+use friction::effects::{Describe, Unnamed};
 use report::Table;
 use report::number::{number, with_std};
 use std::path::PathBuf;
@@ -125,7 +126,10 @@ fn effects_help() -> String {
 /// An id that the diagnosis knows.
 pub(crate) fn check_finding(id: &str) -> Result<()> {
     let known = diagnose::effect_ids();
-    if known.contains(&id) || matches!(id, "unnamed" | "mismatch" | "no_mismatch" | "not_testable") {
+    if known.contains(&id)
+        || matches!(id, "mismatch" | "no_mismatch" | "not_testable")
+        || id == Unnamed::ABOUT.id
+    {
         return Ok(());
     }
     Err(Failure::new(format!("`{id}` is no effect")).help(format!("accepted are {}", known.join(", "))))
