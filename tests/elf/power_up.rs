@@ -78,7 +78,8 @@ pub fn the_first_power_up_of_the_readme_works() {
     board.run(300.0);
     board.ok("zero");
     assert!(board.ok("selftest").starts_with("ok selftest passed"));
-    // 6
+    // 6: once the handle rests
+    board.run(500.0);
     assert!(board.home().starts_with("! home: stroke 32.0"));
     // 7
     board.ok("preset use viscous");
