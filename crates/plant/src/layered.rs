@@ -34,6 +34,14 @@ pub struct LayeredState<S> {
     force: f64,
 }
 
+/// Puts `item` into the first empty slot.
+fn fill<T>(parameter: &'static str, slots: &mut [Option<T>], item: T) -> Result<(), Invalid> {
+    let max = slots.len() as f64;
+    let slot = slots.iter_mut().find(|slot| slot.is_none());
+    *slot.ok_or(Invalid { parameter, value: max + 1.0, min: 0.0, max })? = Some(item);
+    Ok(())
+}
+
 impl<L> Layered<L> {
     /// A law without effects.
     pub const fn new(base: L) -> Self {
@@ -57,14 +65,7 @@ impl<L> Layered<L> {
     /// # Errors
     /// There are already [`MAX_EFFECTS`] effects.
     pub fn add(&mut self, effect: Effect<f64>) -> Result<(), Invalid> {
-        let free = self.effects.iter_mut().find(|slot| slot.is_none()).ok_or(Invalid {
-            parameter: "effects",
-            value: (MAX_EFFECTS + 1) as f64,
-            min: 0.0,
-            max: MAX_EFFECTS as f64,
-        })?;
-        *free = Some(effect);
-        Ok(())
+        fill("effects", &mut self.effects, effect)
     }
 
     /// Adds physics without a name.
@@ -72,14 +73,7 @@ impl<L> Layered<L> {
     /// # Errors
     /// There are already [`MAX_CURVES`] curves.
     pub fn add_curve(&mut self, curve: FreeForm<f64>) -> Result<(), Invalid> {
-        let free = self.curves.iter_mut().find(|slot| slot.is_none()).ok_or(Invalid {
-            parameter: "curves",
-            value: (MAX_CURVES + 1) as f64,
-            min: 0.0,
-            max: MAX_CURVES as f64,
-        })?;
-        *free = Some(curve);
-        Ok(())
+        fill("curves", &mut self.curves, curve)
     }
 
     /// Force on the block, N: the force on the whole moving mass less the inertia of the device, m_b·a + f with

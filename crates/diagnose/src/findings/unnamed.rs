@@ -35,7 +35,7 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
         p,
         indistinguishable_from: Vec::new(),
         experiment: format!(
-            "record what may act on this body beside its own motion (other joints, a temperature, a supply, a load) as \
+            "record other influences on this body (other joints, a temperature, a supply, a load) as \
              further columns: {} {unit} are left",
             crate::findings::words::short(rms)
         ),
@@ -79,7 +79,7 @@ pub fn where_it_follows(all: &[Followed]) -> Vec<Location> {
     all.iter().map(of).collect()
 }
 
-/// Unit at the end of the name of a column, empty where there is none.
+/// The unit in a column's name; empty if it has none.
 fn unit_of(name: &str) -> &'static str {
     let units = [
         ("_rad_s", "rad/s"),

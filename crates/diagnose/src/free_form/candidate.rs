@@ -129,8 +129,8 @@ impl Candidate {
     }
 }
 
-/// Places between which the values lie: half even, half by how many values there are; in the logarithm for what begins
-/// anew at each reversal.
+/// Knots over the range of the values: the mean of even spacing and of quantiles. Distances and times since an event are
+/// spaced in their logarithm.
 fn knots(of: Coordinate, values: &[f64], count: usize) -> Option<Knots<f64>> {
     let logarithmic =
         matches!(of, Coordinate::DistanceSinceReversal | Coordinate::TimeSinceReversal | Coordinate::Slid);

@@ -10,7 +10,7 @@ use crate::search::lasting::Regime;
 /// Squared error over that of the floor from which on a name leaves so much that it may be wrong.
 const LEAVES: f64 = 2.0;
 
-/// What stays named, the free forms beside it, and the names that they contradict.
+/// Confirmed names, free forms, and the names that the free forms contradict.
 pub struct Resolved {
     pub found: Hypothesis,
     pub described: Described,

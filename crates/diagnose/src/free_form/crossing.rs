@@ -15,7 +15,7 @@ const PARTS: usize = 3;
 const BANDS: usize = 9;
 /// Share of what a form explains where it was fitted that it has to explain where it was not.
 const HOLDS: f64 = 0.5;
-/// Information about each column before the fit, as a share of all there is: what is not met elsewhere is no force.
+/// Ridge penalty, as a share of a column's power. A column that the other parts do not excite gets no force.
 const PRIOR: f64 = 1e-3;
 
 /// The coordinate, by row, over which a form has to hold.

@@ -21,11 +21,11 @@ const CURVES: [usize; 3] = [5, 8, 22];
 const MAPS: [(usize, usize); 4] = [(4, 4), (5, 8), (8, 5), (10, 10)];
 /// Candidates that are tried with other knots, and the best map: at first a map is coarse.
 const CLOSER: usize = 3;
-/// Share of what is left that a simpler form may cost.
+/// Relative increase of the held-out error that is accepted for fewer columns.
 const SIMPLER: f64 = 0.02;
-/// Smallest share of what is left above the floor that a form explains.
+/// Smallest gain of a form, as a share of the error above the floor.
 const MATERIAL: f64 = 0.1;
-/// Smallest share of the floor.
+/// The same, as a share of the floor.
 const SEEN: f64 = 0.05;
 
 /// Free forms beside a hypothesis, all fitted jointly.
@@ -69,7 +69,7 @@ pub fn describe(search: &Search, library: &Library, found: &Hypothesis, regimes:
 }
 
 impl Described {
-    /// The forms beside another hypothesis, fitted anew, without the one at `drop`.
+    /// Refits the forms jointly with `found`, leaving out the form at index `drop`.
     pub fn without(&self, search: &Search, found: &Hypothesis, drop: Option<usize>) -> Option<Self> {
         let design = search.design;
         let mut basis = Basis::of(&Hypothesis::columns(design, &found.atoms));
@@ -136,7 +136,7 @@ fn next(
     let mut columns = Hypothesis::columns(design, &found.atoms);
     columns.extend(so_far.terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice));
     let basis = Basis::of(&columns);
-    let rows = design.share.iter().filter(|s| **s > 0.5).count();
+    let rows = design.used_rows();
     let trial = |candidate: Candidate, (first, second): (usize, usize)| -> Option<Trial> {
         let count = if candidate.across.is_some() { first * second } else { first };
         let (form, all) = (20 * count <= rows).then(|| library.get(design, candidate, first, second))??;
@@ -218,7 +218,7 @@ fn significance(search: &Search, parent: &Fit, trials: &[Trial], basis: &Basis) 
 
 /// Whether it lowers the error on regimes left out.
 fn lasts(search: &Search, basis: &Basis, trial: &Trial, regimes: &[Regime]) -> bool {
-    let rows = search.design.share.iter().filter(|s| **s > 0.5).count().max(1) as f64;
+    let rows = search.design.used_rows().max(1) as f64;
     let noise = dot(&trial.fit.residual, &trial.fit.residual) / rows;
     let judged = lasting::left_out_errors(search.design, basis, &trial.term.columns, noise, regimes);
     let (without, with) = judged.iter().fold((0.0, 0.0), |s, (_, e)| (s.0 + e.0, s.1 + e.1));

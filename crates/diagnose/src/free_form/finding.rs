@@ -36,7 +36,7 @@ fn experiment(term: &FreeTerm) -> String {
     let axes = [Some(term.form.over), term.form.across.map(|(c, _)| c)];
     let has = |c: Coordinate| axes.contains(&Some(c));
     if has(Coordinate::Time) {
-        "repeat the same move: what depends on the time since the start begins anew, what depends on the clock does not"
+        "repeat the same move: an effect of the time since the start begins again, an effect of the time of day does not"
     } else if has(Coordinate::Slid) {
         "slide at one speed, rest for a while, slide again: what was slid fades, a position stays"
     } else if has(Coordinate::DistanceSinceReversal) || has(Coordinate::TimeSinceReversal) {

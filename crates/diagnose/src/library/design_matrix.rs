@@ -72,6 +72,11 @@ impl DesignMatrix {
         out
     }
 
+    /// Number of rows of which most samples are used.
+    pub fn used_rows(&self) -> usize {
+        self.share.iter().filter(|s| **s > 0.5).count()
+    }
+
     /// Effective number of rows in each block.
     pub fn block_weight(&self) -> Vec<f64> {
         (0..self.blocks.len()).map(|k| self.blocks.rows(k).map(|r| self.share[r]).sum()).collect()

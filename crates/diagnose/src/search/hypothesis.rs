@@ -94,14 +94,20 @@ impl Hypothesis {
 
     /// All columns of this hypothesis: baseline, atoms, free forms.
     pub fn all_columns<'a>(&'a self, design: &'a DesignMatrix) -> Vec<&'a [f64]> {
-        let free = self.free.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice);
-        Self::columns(design, &self.atoms).into_iter().chain(free).collect()
+        self.columns_with(design, |_| true)
     }
 
     /// The same without forms of the time since the start, which no half of a recording tells of the other.
     pub fn lasting_columns<'a>(&'a self, design: &'a DesignMatrix) -> Vec<&'a [f64]> {
-        let lasting = self.free.iter().filter(|t| !t.is_of_time());
-        let free = lasting.flat_map(|t| t.columns.iter()).map(Vec::as_slice);
+        self.columns_with(design, |t| !t.is_of_time())
+    }
+
+    fn columns_with<'a>(
+        &'a self,
+        design: &'a DesignMatrix,
+        want: impl Fn(&FreeTerm) -> bool,
+    ) -> Vec<&'a [f64]> {
+        let free = self.free.iter().filter(|t| want(t)).flat_map(|t| t.columns.iter()).map(Vec::as_slice);
         Self::columns(design, &self.atoms).into_iter().chain(free).collect()
     }
 

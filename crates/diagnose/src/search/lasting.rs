@@ -60,7 +60,7 @@ const MOST_PERIODS: usize = 12;
 pub fn regimes(design: &DesignMatrix, names: &[String]) -> Vec<Regime> {
     let used = |r: usize| design.share[r] > 0.5;
     let rows = design.share.len();
-    let all = (0..rows).filter(|r| used(*r)).count();
+    let all = design.used_rows();
     let time = row_times(design);
     let mut recording = Vec::with_capacity(rows);
     for t in &design.tracks {
@@ -250,7 +250,7 @@ fn is_pushed(search: &Search, found: &Hypothesis, i: usize, axis: usize) -> bool
 
 /// Variance of the sum of neighbouring rows, over their number: rows follow each other and err alike.
 fn noise(design: &DesignMatrix, found: &Hypothesis) -> f64 {
-    let used = design.share.iter().filter(|s| **s > 0.5).count().max(1) as f64;
+    let used = design.used_rows().max(1) as f64;
     let apart = (design.share.len() as f64 / design.blocks.len().max(1) as f64).clamp(1.0, 10.0);
     dot(&found.fit.residual, &found.fit.residual) / used * apart
 }
