@@ -104,7 +104,7 @@ fn pure_error(track: &Track, residual: &[f64], period: f64) -> (f64, f64) {
         let mut used = true;
         for i in rows {
             let (a, b) = (i + whole, i + whole + 1);
-            used &= track.mask[i] == 1.0 && track.mask[a] == 1.0 && track.mask[b] == 1.0;
+            used &= [i, a, b].iter().all(|i| track.mask[*i] > 0.7);
             difference += residual[i] - (residual[a] * (1.0 - share) + residual[b] * share);
         }
         if used {

@@ -25,6 +25,9 @@ const CLOSER: usize = 3;
 const SIMPLER: f64 = 0.02;
 /// Smallest gain of a form, as a share of the error above the floor.
 const MATERIAL: f64 = 0.1;
+/// The same, as a share of what the effects with a name explain: their regressors are known about as well as the motion
+/// is, and what an effect leaves of itself is no other physics.
+const OF_NAMED: f64 = 5e-4;
 /// The same, as a share of the floor.
 const SEEN: f64 = 0.05;
 
@@ -166,7 +169,12 @@ fn next(
         .collect();
     trials.extend(closer.into_par_iter().filter_map(|(c, knots)| trial(c, knots)).collect::<Vec<_>>());
     let before = so_far.fit.heldout_sum();
-    let material = (MATERIAL * (before - search.floor)).max(SEEN * search.floor).max(search.systematic);
+    let named = Hypothesis::new(design, Vec::new())
+        .map_or(0.0, |baseline| baseline.fit.heldout_sum() - found.fit.heldout_sum());
+    let material = (MATERIAL * (before - search.floor))
+        .max(SEEN * search.floor)
+        .max(search.systematic)
+        .max(OF_NAMED * named);
     // one after the other, until one holds where it was not fitted
     while let Some(chosen) = simplest(&mut trials) {
         let p = best.iter().find(|(c, _)| *c == chosen.candidate).map_or(1.0, |(_, p)| *p);
