@@ -87,7 +87,7 @@ impl Model {
     /// prediction goes in a straight line from sliding friction in one direction to that in the other over the
     /// band ±Δv, which is what is expected of it not knowing more.
     pub(crate) fn force(&self, motion: &Kinematics<'_>) -> Vec<f64> {
-        let mut law = self.start(motion);
+        let mut law = self.start_at(motion.velocity.first().copied());
         let mut effects = vec![EffectState::<f64>::default(); self.effects.len()];
         let mut forms = vec![FreeFormState::<f64>::default(); self.curves.len()];
         let mut before = motion.position.first().copied().unwrap_or(0.0);
@@ -115,10 +115,10 @@ impl Model {
     }
 
     /// A recording that begins in motion begins with the bristle bent.
-    fn start(&self, motion: &Kinematics<'_>) -> LawState<f64> {
-        match (&self.law, motion.velocity.first()) {
-            (Law::Dahl(law), Some(v)) if *v > 0.0 => LawState::Dahl(DahlState { z: law.limit_p }),
-            (Law::Dahl(law), Some(v)) if *v < 0.0 => LawState::Dahl(DahlState { z: -law.limit_n }),
+    pub(crate) fn start_at(&self, velocity: Option<f64>) -> LawState<f64> {
+        match (&self.law, velocity) {
+            (Law::Dahl(law), Some(v)) if v > 0.0 => LawState::Dahl(DahlState { z: law.limit_p }),
+            (Law::Dahl(law), Some(v)) if v < 0.0 => LawState::Dahl(DahlState { z: -law.limit_n }),
             _ => LawState::default(),
         }
     }

@@ -74,6 +74,16 @@ pub struct Signals {
     description: String,
 }
 
+/// What is not known of the motion, for each sample.
+pub(crate) struct Uncertain {
+    /// 1 − E\[sgn v\]², of the direction.
+    pub unknown: Vec<f64>,
+    /// Standard deviation of the velocity, m/s or rad/s.
+    pub velocity: Vec<f64>,
+    /// Standard deviation of the acceleration, m/s² or rad/s².
+    pub acceleration: Vec<f64>,
+}
+
 /// A filter between samples and rows.
 #[derive(Debug, Clone, PartialEq)]
 enum RowFilter {
@@ -98,6 +108,33 @@ impl Signals {
     /// Standard deviation of the velocity's error behind the filter, m/s or rad/s.
     pub(crate) fn velocity_error(&self) -> f64 {
         self.errors.0.velocity.sqrt()
+    }
+
+    /// What the smoothed motion does not know of itself. Between stretches nothing is known.
+    pub(crate) fn uncertain(&self) -> Uncertain {
+        let mut out = Uncertain {
+            unknown: vec![1.0; self.len()],
+            velocity: vec![f64::NAN; self.len()],
+            acceleration: vec![f64::NAN; self.len()],
+        };
+        for (stretch, channels) in self.stretches.iter().zip(&self.channels) {
+            let motion = channels.motion();
+            let std = |of: &dyn Fn(usize) -> f64| stretch.back((0..motion.len()).map(of).collect());
+            let unknown = motion.direction().iter().map(|e| 1.0 - e * e).collect();
+            let places = out.unknown[stretch.range.clone()].iter_mut();
+            for (place, u) in places.zip(stretch.back(unknown)) {
+                *place = u.clamp(0.0, 1.0);
+            }
+            for (series, made) in [
+                (&mut out.velocity, std(&|i| motion.velocity_std(i))),
+                (&mut out.acceleration, std(&|i| motion.acceleration_std(i))),
+            ] {
+                for (place, s) in series[stretch.range.clone()].iter_mut().zip(made) {
+                    *place = s.max(0.0);
+                }
+            }
+        }
+        out
     }
 
     /// Number of samples.

@@ -75,8 +75,8 @@ pub const REGULAR: f64 = 0.3;
 
 /// Force, rms, below which nothing is named although a long recording resolves it: there sit the sensors' own regular
 /// errors. The moment of a sample and the like are taken for a share of the floor; quantisation repeats with a motion
-/// that repeats, and then all of it looks like physics.
-pub fn systematic(design: &DesignMatrix, mass: f64, cutoff: f64, floor: f64) -> f64 {
+/// that repeats, and then all of it looks like physics. On any other motion it is noise, and in the floor.
+pub fn systematic(design: &DesignMatrix, mass: f64, cutoff: f64, floor: &Floor) -> f64 {
     let rounding = |series: &[f64]| quantum(series) / 12f64.sqrt();
     let of = |track: &Track| {
         let dt = track.raw.dt;
@@ -86,7 +86,8 @@ pub fn systematic(design: &DesignMatrix, mass: f64, cutoff: f64, floor: f64) -> 
         let force = rounding(&track.raw.force) * differentiated(0, cutoff, dt);
         (mass * acceleration).hypot(force)
     };
-    design.tracks.iter().map(of).fold(REGULAR * floor, f64::max)
+    let regular = REGULAR * floor.rms;
+    design.tracks.iter().filter(|t| period(t).is_some()).map(of).fold(regular, f64::max)
 }
 
 /// Half the mean square of what differs between one period and the next, over rows in use in both.
