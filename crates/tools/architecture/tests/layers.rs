@@ -32,6 +32,7 @@ const LAYERS: &[&str] = &[
     "benchmark",
     "figures",
     "prove",
+    "tribos-python",
     "tribos",
     "architecture",
 ];
