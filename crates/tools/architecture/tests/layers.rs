@@ -17,6 +17,7 @@ const LAYERS: &[&str] = &[
     "fixtures",
     "signals",
     "identify",
+    "export",
     "diagnose",
     "perception",
     "compare",
