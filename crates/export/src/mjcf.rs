@@ -1,7 +1,7 @@
 //! MJCF, the format of MuJoCo.
 
-use crate::comment;
 use crate::reduce::Exported;
+use crate::xml::comment;
 use signals::Geometry;
 
 /// Time step, s. Friction loss is a soft constraint, as stiff as two time steps allow.

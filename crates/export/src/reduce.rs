@@ -1,6 +1,7 @@
 //! From a model to the joint that a format can hold, one step after the other.
 
-use crate::{Error, Format};
+use crate::error::Error;
+use crate::format::Format;
 use friction::effects::{Effect, EffectState};
 use friction::{Coulomb, Dimension, Law, Motion};
 use identify::{Model, Nuisances};
@@ -147,8 +148,8 @@ pub(crate) fn reduce(
     joint.friction = law.level_p + held.friction;
     joint.damping = law.viscous_p + held.damping;
     joint.stiffness = held.stiffness;
-    // k·(x − rest) = k·x + constant
-    joint.spring_rest = if held.stiffness > 0.0 { -held.constant / held.stiffness } else { 0.0 };
+    // k·(x − rest) = k·x + constant; 0 − 0 has no sign
+    joint.spring_rest = if held.stiffness > 0.0 { 0.0 - held.constant / held.stiffness } else { 0.0 };
     if joint.damping < 0.0 {
         return Err(Error::Parameter {
             parameter: "damping",

@@ -1,7 +1,8 @@
 //! URDF, the format of ROS.
 
+use crate::error::Error;
 use crate::reduce::Exported;
-use crate::{Error, comment};
+use crate::xml::comment;
 use signals::{Geometry, Recording};
 
 /// Smallest and largest finite value.
