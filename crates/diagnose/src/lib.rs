@@ -26,7 +26,7 @@
 //! # Ok::<(), diagnose::Error>(())
 //! ```
 //!
-//! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`] is the only entry; [`Diagnosis`] is both the
+//! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`], or [`diagnose_watched`] which can be interrupted, is the only entry; [`Diagnosis`] is both the
 //! JSON (`tribos.diagnosis/2`) and the series for the report.
 #![forbid(unsafe_code)]
 
@@ -48,7 +48,7 @@ pub use experiment::proposal::{ENOUGH, Experiment, NextExperiment, WORTHWHILE};
 pub use findings::words::{ForceError, summary};
 pub use options::{Error, Options};
 pub use per_recording::{Nuisance, PerRecording};
-pub use pipeline::diagnose;
+pub use pipeline::{diagnose, diagnose_watched};
 pub use result::{
     After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, FreeCurve, FreeFormFinding, LeftOut,
     Location, LooksLike, Missing, NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,

@@ -8,7 +8,7 @@ use crate::library::applied_force::AppliedForce;
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
 use crate::library::term::TermKind;
-use crate::options::Options;
+use crate::options::{Interrupted, Options, Watch, tell};
 use crate::preparation::intake::Intake;
 use crate::search::applied_force;
 use crate::search::catalogue::Catalogue;
@@ -116,7 +116,13 @@ impl Named {
     }
 
     /// Describes what has no name by free forms, as long as they lower the error on `judges`.
-    pub fn describe(&mut self, judges: &[Judge], options: &Options, cutoff: f64) {
+    pub fn describe(
+        &mut self,
+        judges: &[Judge],
+        options: &Options,
+        cutoff: f64,
+        watch: Watch<'_>,
+    ) -> Result<(), Interrupted> {
         let search = self.search(options, cutoff);
         let Resolved { found, mut described, kin } =
             contradiction::resolve(&search, &self.found, &self.regimes, &self.regression.baseline);
@@ -125,6 +131,7 @@ impl Named {
             self.frozen(&last, options).squared(judges, &last).0
         };
         while !judges.is_empty() && !described.terms.is_empty() {
+            tell(watch, 0.8, "what has no name")?;
             let fewer =
                 (0..described.terms.len()).filter_map(|i| described.without(&search, &found, Some(i)));
             let best = fewer.map(|d| (squared(&d), d)).min_by(|a, b| a.0.total_cmp(&b.0));
@@ -147,6 +154,7 @@ impl Named {
         } else {
             self.last = self.found.clone();
         }
+        Ok(())
     }
 
     /// The search, to judge further hypotheses by.
@@ -185,8 +193,8 @@ pub(crate) fn name(
     mut regression: Regression,
     cutoff: f64,
     options: &Options,
-    progress: &dyn Fn(f32, &str),
-) -> Named {
+    watch: Watch<'_>,
+) -> Result<Named, Interrupted> {
     let unavailable = unavailable(intake, regression.design.is_one_way());
     // the force that acts, with the catalogue on it, once it is known better than the baseline alone knows it
     let mut settled: Option<(AppliedForce, DesignMatrix, Catalogue)> = None;
@@ -194,7 +202,7 @@ pub(crate) fn name(
         let Regression { design, baseline, .. } = &regression;
         let rows: f64 = design.block_weight().iter().sum();
         let mut floor = measured_floor(&regression, options);
-        progress(0.1, "catalogue");
+        tell(watch, 0.1, "catalogue")?;
         let scales = Scales::of(&design.tracks, cutoff);
         let first = settled.is_none();
         let (acting, mut noisy, mut catalogue) = settled.take().unwrap_or_else(|| {
@@ -205,17 +213,18 @@ pub(crate) fn name(
             let catalogue = Catalogue::new(design, &noisy, &scales, &lines, &exclude);
             (acting, noisy, catalogue)
         });
-        progress(0.3, "naming");
+        tell(watch, 0.3, "naming")?;
         let run = |from: &Hypothesis, floor: &Floor, catalogue: &Catalogue| {
             let search = search(&regression, &noisy, catalogue, &scales, floor, options, cutoff);
-            search.run(from.clone(), progress).unwrap_or_else(|| (from.clone(), Vec::new()))
+            let found = search.run(from.clone(), watch)?;
+            Ok::<_, Interrupted>(found.unwrap_or_else(|| (from.clone(), Vec::new())))
         };
-        let (mut found, mut p) = run(baseline, &floor, &catalogue);
+        let (mut found, mut p) = run(baseline, &floor, &catalogue)?;
         // A floor that a model undercuts on what it has not seen was none: a broad signal was taken for noise.
         let reached = (found.fit.heldout_sum() / rows.max(1e-300)).sqrt();
         if reached < UNDERCUT * floor.rms && floor.how == "local differences" && reached > 0.0 {
             floor.rms = reached;
-            (found, p) = run(baseline, &floor, &catalogue);
+            (found, p) = run(baseline, &floor, &catalogue)?;
         }
         if let Some(other) = without_delay(intake, &regression, &found, cutoff, options) {
             regression = other;
@@ -233,6 +242,7 @@ pub(crate) fn name(
         let regimes = lasting::regimes(design, &intake.names);
         let mut withdrawn: Vec<Withdrawn> = Vec::new();
         for round in 0.. {
+            tell(watch, 0.75, "what lasts")?;
             let search = search(&regression, &noisy, &catalogue, &scales, &floor, options, cutoff);
             let fails;
             (found, p, fails) = search.lasting((found, p), &regimes);
@@ -243,7 +253,7 @@ pub(crate) fn name(
             if last {
                 break;
             }
-            (found, p) = run(&found, &floor, &catalogue);
+            (found, p) = run(&found, &floor, &catalogue)?;
         }
         let mut told = Vec::new();
         withdrawn.retain(|w| {
@@ -251,7 +261,7 @@ pub(crate) fn name(
             told.push(w.kind.id());
             new
         });
-        return Named {
+        return Ok(Named {
             regression,
             noisy,
             catalogue,
@@ -266,7 +276,7 @@ pub(crate) fn name(
             kin: Vec::new(),
             found,
             unavailable,
-        };
+        });
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::experiment::moves::Limits;
 use crate::per_recording::Nuisance;
 use std::fmt;
+use std::ops::ControlFlow;
 
 /// Choices of a diagnosis; the default is right for most recordings.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,6 +92,8 @@ pub enum Error {
         /// The value.
         value: f64,
     },
+    /// Whoever watches asked for an early end.
+    Interrupted,
     /// An option outside what is accepted.
     Option {
         /// Name.
@@ -121,6 +124,7 @@ impl fmt::Display for Error {
                 f,
                 "{name}: {channel} at {at} s is {value:.3e}: accepted up to {LARGEST:e} in size; is the unit right?"
             ),
+            Self::Interrupted => write!(f, "interrupted"),
             Self::Option { name, value, accepted } => write!(f, "{name} = {value}: accepted {accepted}"),
         }
     }
@@ -131,6 +135,27 @@ impl std::error::Error for Error {}
 impl From<signals::Error> for Error {
     fn from(error: signals::Error) -> Self {
         Self::Recording(error)
+    }
+}
+
+/// Told a share of the work done and what is being done; `Break` ends the diagnosis.
+pub(crate) type Watch<'a> = &'a dyn Fn(f32, &str) -> ControlFlow<()>;
+
+/// A watch asked for an early end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Interrupted;
+
+impl From<Interrupted> for Error {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
+}
+
+/// Tells the watch, and hears whether to go on.
+pub(crate) fn tell(watch: Watch<'_>, share: f32, what: &str) -> Result<(), Interrupted> {
+    match watch(share, what) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Interrupted),
     }
 }
 

@@ -16,7 +16,7 @@ use crate::library::design_matrix::DesignMatrix;
 use crate::library::series;
 use crate::library::term::TermKind;
 use crate::naming::{self, Named};
-use crate::options::{Error, Options};
+use crate::options::{Error, Interrupted, Options, Watch, tell};
 use crate::per_recording::{Nuisance, PerRecording};
 use crate::preparation::drift;
 use crate::preparation::intake::{Intake, take};
@@ -39,6 +39,7 @@ use friction::{Dimension, Geometry};
 use rayon::prelude::*;
 use signals::{Channels, FaultKind, Noise, Recording, RecordingFault, central_difference, derived_noise};
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 /// Most regions of what was fitted that are told.
 const MOST_REGIONS: usize = 12;
@@ -60,15 +61,31 @@ pub fn diagnose(
     options: &Options,
     progress: &dyn Fn(f32, &str),
 ) -> Result<Diagnosis, Error> {
+    diagnose_watched(train, validate, options, &|share, what| {
+        progress(share, what);
+        ControlFlow::Continue(())
+    })
+}
+
+/// As [`diagnose`]; `watch` ends it early with `Break`, which it may wait for up to a step of the search.
+///
+/// # Errors
+/// Those of [`diagnose`], and [`Error::Interrupted`].
+pub fn diagnose_watched(
+    train: &[Recording],
+    validate: &[Recording],
+    options: &Options,
+    watch: &dyn Fn(f32, &str) -> ControlFlow<()>,
+) -> Result<Diagnosis, Error> {
     options.validate()?;
-    progress(0.0, "audit");
+    tell(watch, 0.0, "audit")?;
     let mut intake = take(train)?;
     let judged = if validate.is_empty() { None } else { Some(take(validate)?) };
     if intake.stretches.is_empty() {
         return Ok(untestable(intake, "no stretch of the recording is long and clean enough to be fitted"));
     }
     let mut cutoff = intake.cutoff(options.cutoff_hz);
-    progress(0.05, "filter and baseline");
+    tell(watch, 0.05, "filter and baseline")?;
     let seconds: f64 = intake.stretches.iter().map(|s| s.position.len() as f64 * s.dt).sum();
     // a motion that is quick for its sampling goes up to where the derivative ends
     let rate = intake.stretches.iter().map(|s| 1.0 / s.dt).fold(f64::INFINITY, f64::min);
@@ -112,13 +129,13 @@ pub fn diagnose(
         j.static_branch(intake.delta_v);
         j
     });
-    let mut named = naming::name(&intake, regression, cutoff, options, progress);
+    let mut named = naming::name(&intake, regression, cutoff, options, watch)?;
     let judges = judged.map_or_else(Vec::new, |j| judges(&j, cutoff, &named.regression, &named.acting));
     let names: Vec<&str> = validate.iter().map(|r| r.name.as_str()).collect();
     named.confirm(&judges, options, cutoff, &names.join(", "));
-    progress(0.8, "what has no name");
-    named.describe(&judges, options, cutoff);
-    Ok(Run { intake, cutoff, options, origins, named }.diagnose(&judges, progress))
+    tell(watch, 0.8, "what has no name")?;
+    named.describe(&judges, options, cutoff, watch)?;
+    Ok(Run { intake, cutoff, options, origins, named }.diagnose(&judges, watch)?)
 }
 
 /// A delay of up to one sample between force and position is how the recording was made, not physics: it is fitted
@@ -166,7 +183,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn diagnose(&self, judges: &[Judge], progress: &dyn Fn(f32, &str)) -> Diagnosis {
+    fn diagnose(&self, judges: &[Judge], watch: Watch<'_>) -> Result<Diagnosis, Interrupted> {
         let Self { cutoff, options, ref named, .. } = *self;
         let Regression { design, baseline, .. } = &named.regression;
         let (floor, p) = (&named.floor, &named.p);
@@ -183,7 +200,7 @@ impl Run<'_> {
             *std = std.max(*joint);
         }
 
-        progress(0.85, "location");
+        tell(watch, 0.85, "location")?;
         let columns = Hypothesis::columns(design, &[]);
         let squared_floor = search.floor;
         let located = locate(
@@ -223,7 +240,7 @@ impl Run<'_> {
             .collect();
         let elsewhere = findings::unnamed::elsewhere(&search, &found, left.p, geometry)
             .filter(|_| found.atoms.is_empty() && unnamed.is_empty());
-        progress(0.9, "rivals");
+        tell(watch, 0.9, "rivals")?;
         let plant = self.plant(&last);
         let frequency = self.intake.stretches.iter().map(Channels::dominant_frequency).fold(0.0, f64::max);
         let rivals: Vec<Vec<Rival>> =
@@ -238,7 +255,7 @@ impl Run<'_> {
             .enumerate()
             .map(|(i, (p, r))| self.missing(&found, &last, &joint, i, *p, r))
             .collect();
-        progress(0.93, "the next experiment");
+        tell(watch, 0.93, "the next experiment")?;
         let designer = Designer {
             search: &search,
             found: &found,
@@ -282,7 +299,7 @@ impl Run<'_> {
         missing.extend(elsewhere);
         let verdict = if missing.is_empty() { Verdict::NoMismatch } else { Verdict::Mismatch };
 
-        progress(0.95, "free run and validation");
+        tell(watch, 0.95, "free run and validation")?;
         let excess = |sum: f64| (sum - squared_floor).max(0.0);
         let explained_share =
             if excess(before) > 0.0 { (1.0 - excess(after) / excess(before)).clamp(0.0, 1.0) } else { 0.0 };
@@ -355,8 +372,8 @@ impl Run<'_> {
             figures,
         };
         diagnosis.summary = crate::findings::words::summary(&diagnosis);
-        progress(1.0, "done");
-        diagnosis
+        tell(watch, 1.0, "done")?;
+        Ok(diagnosis)
     }
 
     /// What the audit said, and what only the fit could see.

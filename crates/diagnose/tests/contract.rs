@@ -2,10 +2,12 @@
 
 mod plant;
 
-use diagnose::{Diagnosis, Options, Verdict, diagnose};
+use diagnose::{Diagnosis, Error, Options, Verdict, diagnose, diagnose_watched};
 use plant::{Case, Hidden, record};
 use serde_json::Value;
 use signals::{FaultKind, Recording};
+use std::cell::Cell;
+use std::ops::ControlFlow;
 
 fn run(recordings: &[Recording]) -> Diagnosis {
     diagnose(recordings, &[], &Options::default(), &|_, _| ()).expect("a diagnosis")
@@ -171,6 +173,28 @@ fn what_cannot_answer_says_so_and_never_panics() {
         serde_json::to_string(&found).expect("JSON");
     }
     assert!(diagnose(&[], &[], &Options::default(), &|_, _| ()).is_err());
+}
+
+#[test]
+fn a_watch_ends_it_wherever_it_is() {
+    let case =
+        Case { hidden: [Hidden::Stribeck { size: 0.5, speed: 0.02 }, Hidden::Nothing], ..Case::default() };
+    let recordings = [record(&case).0];
+    let told = Cell::new(0);
+    let until = |last: usize| {
+        told.set(0);
+        diagnose_watched(&recordings, &[], &Options::default(), &|_, _| {
+            told.set(told.get() + 1);
+            if told.get() >= last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+    };
+    assert!(until(usize::MAX).is_ok());
+    let all = told.get();
+    assert!(all >= 10, "{all}");
+    for last in [1, 2, all / 4, all / 2, 3 * all / 4, all] {
+        assert_eq!(until(last).err(), Some(Error::Interrupted), "{last} of {all}");
+        assert_eq!(told.get(), last, "it went on");
+    }
 }
 
 #[test]

@@ -3,46 +3,48 @@
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// The seven-parameter model [armstrong-1994] [thesis, ch. 2.4.6].
-///
-/// ```text
-/// stuck:    F = k_t z,                  until |F| = F_C + F_S(t₂)
-/// sliding:  F = [F_C + F_V |v| + F_S(γ, t₂)/(1 + (v_L/v_s)²)] sgn v
-/// F_S(γ, t₂) = F_Sa + (F_S∞ − F_Sa) t₂/(t₂ + γ)
-/// ```
-///
-/// t₂ is the dwell time, F_Sa the Stribeck friction at the end of the previous slide, and v_L the velocity with the
-/// frictional memory τ_L. The source delays v by τ_L; here τ_L is the time constant of a first-order lag, which needs no
-/// store of past velocities. The contact sticks where the motion reverses or stops, and its spring then starts from the
-/// sliding force.
-///
-/// ```
-/// use friction::{Armstrong, ArmstrongState, FrictionLaw, Motion};
-/// let law = Armstrong {
-///     coulomb: 2.0, viscous: 0.0, stribeck: 1.0, stiffness: 1e5, stribeck_velocity: 0.01, memory: 0.0, dwell: 0.1,
-/// };
-/// let mut state = ArmstrongState::default();
-/// let stuck = Motion { dt: 1e-3, displacement: 1e-5, velocity: 0.01, ..Motion::default() };
-/// assert!((law.step(&mut state, &stuck) - 1.0_f64).abs() < 1e-12); // the spring k_t
-/// let fast = Motion { dt: 1e-3, displacement: 1e-2, velocity: 10.0, ..Motion::default() };
-/// assert!((law.step(&mut state, &fast) - 2.0).abs() < 1e-6); // Coulomb friction, far above v_s
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Armstrong<S> {
-    /// Coulomb friction F_C, N.
-    pub coulomb: S,
-    /// Viscous friction F_V, N·s/m.
-    pub viscous: S,
-    /// Stribeck friction after a long time at rest F_S∞, N.
-    pub stribeck: S,
-    /// Tangential stiffness of the static contact k_t, N/m.
-    pub stiffness: S,
-    /// Characteristic velocity of the Stribeck friction v_s, m/s.
-    pub stribeck_velocity: S,
-    /// Time constant of the frictional memory τ_L, s.
-    pub memory: S,
-    /// Temporal parameter of the rising static friction γ, s.
-    pub dwell: S,
+described! {
+    /// The seven-parameter model [armstrong-1994] [thesis, ch. 2.4.6].
+    ///
+    /// ```text
+    /// stuck:    F = k_t z,                  until |F| = F_C + F_S(t₂)
+    /// sliding:  F = [F_C + F_V |v| + F_S(γ, t₂)/(1 + (v_L/v_s)²)] sgn v
+    /// F_S(γ, t₂) = F_Sa + (F_S∞ − F_Sa) t₂/(t₂ + γ)
+    /// ```
+    ///
+    /// t₂ is the dwell time, F_Sa the Stribeck friction at the end of the previous slide, and v_L the velocity with the
+    /// frictional memory τ_L. The source delays v by τ_L; here τ_L is the time constant of a first-order lag, which needs no
+    /// store of past velocities. The contact sticks where the motion reverses or stops, and its spring then starts from the
+    /// sliding force.
+    ///
+    /// ```
+    /// use friction::{Armstrong, ArmstrongState, FrictionLaw, Motion};
+    /// let law = Armstrong {
+    ///     coulomb: 2.0, viscous: 0.0, stribeck: 1.0, stiffness: 1e5, stribeck_velocity: 0.01, memory: 0.0, dwell: 0.1,
+    /// };
+    /// let mut state = ArmstrongState::default();
+    /// let stuck = Motion { dt: 1e-3, displacement: 1e-5, velocity: 0.01, ..Motion::default() };
+    /// assert!((law.step(&mut state, &stuck) - 1.0_f64).abs() < 1e-12); // the spring k_t
+    /// let fast = Motion { dt: 1e-3, displacement: 1e-2, velocity: 10.0, ..Motion::default() };
+    /// assert!((law.step(&mut state, &fast) - 2.0).abs() < 1e-6); // Coulomb friction, far above v_s
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct Armstrong<S> {
+        /// Coulomb friction F_C, N.
+        pub coulomb: S,
+        /// Viscous friction F_V, N·s/m.
+        pub viscous: S,
+        /// Stribeck friction after a long time at rest F_S∞, N.
+        pub stribeck: S,
+        /// Tangential stiffness of the static contact k_t, N/m.
+        pub stiffness: S,
+        /// Characteristic velocity of the Stribeck friction v_s, m/s.
+        pub stribeck_velocity: S,
+        /// Time constant of the frictional memory τ_L, s.
+        pub memory: S,
+        /// Temporal parameter of the rising static friction γ, s.
+        pub dwell: S,
+    }
 }
 
 /// State of [`Armstrong`].

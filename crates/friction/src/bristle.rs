@@ -6,36 +6,38 @@ use serde::{Deserialize, Serialize};
 /// Number of draws after which a bond far beyond its snapping point is drawn from the steady distribution.
 const DRAWS: usize = 4;
 
-/// The bristle model [haessig-1991] [thesis, eq. 2.5 and 2.6] with `N` bonds. Each bond is 1/N of the contact.
-///
-/// ```text
-/// F = Σ (σ/N)(x_i − b_i);   |x_i − b_i| > Δ:  b_i ← b_i + uniform(Δ) sgn(x_i − b_i)
-/// ```
-///
-/// Bonds form again after distances uniform in [0, Δ]. In steady sliding the distance r to the snapping point therefore has
-/// the density 2(1 − r/Δ)/Δ and the mean Δ/3: the friction is σ·2Δ/3 and fluctuates by σΔ/√(18 N). A fresh contact breaks
-/// away at σΔ. `level` is the steady friction, so Δ = 1.5 level/σ.
-///
-/// The force is rough by design of the model. A step costs one addition and one comparison for each bond; fifty bonds are
-/// enough [thesis, ch. 2.4.4].
-///
-/// ```
-/// use friction::{Bristle, BristleState, FrictionLaw, Motion};
-/// let law: Bristle<f64, 50> = Bristle { stiffness: 1e5, level: 2.0, viscous: 0.0 };
-/// let mut state = BristleState::default();
-/// let step = Motion { displacement: 1e-5, ..Motion::default() };
-/// assert!((law.step(&mut state, &step) - 1.0).abs() < 1e-12); // a fresh contact is the spring σ
-/// let mean = (0..20_000).map(|_| law.step(&mut state, &step)).sum::<f64>() / 20_000.0;
-/// assert!((mean - 2.0).abs() < 0.02);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Bristle<S, const N: usize = 50> {
-    /// Stiffness of all bonds together σ, N/m.
-    pub stiffness: S,
-    /// Mean friction in steady sliding, N.
-    pub level: S,
-    /// Viscous friction, N·s/m.
-    pub viscous: S,
+described! {
+    /// The bristle model [haessig-1991] [thesis, eq. 2.5 and 2.6] with `N` bonds. Each bond is 1/N of the contact.
+    ///
+    /// ```text
+    /// F = Σ (σ/N)(x_i − b_i);   |x_i − b_i| > Δ:  b_i ← b_i + uniform(Δ) sgn(x_i − b_i)
+    /// ```
+    ///
+    /// Bonds form again after distances uniform in [0, Δ]. In steady sliding the distance r to the snapping point therefore has
+    /// the density 2(1 − r/Δ)/Δ and the mean Δ/3: the friction is σ·2Δ/3 and fluctuates by σΔ/√(18 N). A fresh contact breaks
+    /// away at σΔ. `level` is the steady friction, so Δ = 1.5 level/σ.
+    ///
+    /// The force is rough by design of the model. A step costs one addition and one comparison for each bond; fifty bonds are
+    /// enough [thesis, ch. 2.4.4].
+    ///
+    /// ```
+    /// use friction::{Bristle, BristleState, FrictionLaw, Motion};
+    /// let law: Bristle<f64, 50> = Bristle { stiffness: 1e5, level: 2.0, viscous: 0.0 };
+    /// let mut state = BristleState::default();
+    /// let step = Motion { displacement: 1e-5, ..Motion::default() };
+    /// assert!((law.step(&mut state, &step) - 1.0).abs() < 1e-12); // a fresh contact is the spring σ
+    /// let mean = (0..20_000).map(|_| law.step(&mut state, &step)).sum::<f64>() / 20_000.0;
+    /// assert!((mean - 2.0).abs() < 0.02);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct Bristle<S, const N: usize = 50> {
+        /// Stiffness of all bonds together σ, N/m.
+        pub stiffness: S,
+        /// Mean friction in steady sliding, N.
+        pub level: S,
+        /// Viscous friction, N·s/m.
+        pub viscous: S,
+    }
 }
 
 /// State of [`Bristle`].

@@ -3,41 +3,43 @@
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Modified Dahl friction [dahl-1968] [thesis, eq. 3.2 and 3.3]. Limits are magnitudes.
-///
-/// ```text
-/// dz/dx = σ |1 − s z/D|^i sgn(1 − s z/D),  s = sgn(dx),  D = D_p or D_n by s
-/// F = z + b v
-/// ```
-///
-/// Integrated with Euler's method the model is unstable for large σ [thesis, ch. 3.5]. Written for the gap g = D − s z
-/// the equation is dg/|dx| = −σ (g/D)^i, which has a closed solution for every i. This law uses that solution: any σ and
-/// any displacement are stable, z stays within [−D_n, D_p], and the force does not depend on how a displacement is
-/// divided into steps.
-///
-/// Every Dahl model drifts under a vibrating load: each half cycle returns less displacement than it took.
-///
-/// ```
-/// use friction::{Dahl, DahlState, FrictionLaw, Motion};
-/// // aluminium on Teflon, [thesis, table 3-4]
-/// let teflon = Dahl { limit_p: 0.6389, limit_n: 0.5774, sigma: 10_000.0, exponent: 1.0, viscous: 0.3838 };
-/// let mut state = DahlState::default();
-/// let presliding = Motion { displacement: 0.6389e-4, ..Motion::default() }; // D/σ
-/// let force: f64 = teflon.step(&mut state, &presliding);
-/// assert!((force - 0.6389 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Dahl<S> {
-    /// Friction limit in positive motion, D_p, N.
-    pub limit_p: S,
-    /// Friction limit in negative motion, D_n, N.
-    pub limit_n: S,
-    /// Stiffness at z = 0, σ, N/m.
-    pub sigma: S,
-    /// Shape exponent i, dimensionless: 1 is an exponential approach to the limit, 0 an ideal spring with a slider.
-    pub exponent: S,
-    /// Viscous friction b, N·s/m.
-    pub viscous: S,
+described! {
+    /// Modified Dahl friction [dahl-1968] [thesis, eq. 3.2 and 3.3]. Limits are magnitudes.
+    ///
+    /// ```text
+    /// dz/dx = σ |1 − s z/D|^i sgn(1 − s z/D),  s = sgn(dx),  D = D_p or D_n by s
+    /// F = z + b v
+    /// ```
+    ///
+    /// Integrated with Euler's method the model is unstable for large σ [thesis, ch. 3.5]. Written for the gap g = D − s z
+    /// the equation is dg/|dx| = −σ (g/D)^i, which has a closed solution for every i. This law uses that solution: any σ and
+    /// any displacement are stable, z stays within [−D_n, D_p], and the force does not depend on how a displacement is
+    /// divided into steps.
+    ///
+    /// Every Dahl model drifts under a vibrating load: each half cycle returns less displacement than it took.
+    ///
+    /// ```
+    /// use friction::{Dahl, DahlState, FrictionLaw, Motion};
+    /// // aluminium on Teflon, [thesis, table 3-4]
+    /// let teflon = Dahl { limit_p: 0.6389, limit_n: 0.5774, sigma: 10_000.0, exponent: 1.0, viscous: 0.3838 };
+    /// let mut state = DahlState::default();
+    /// let presliding = Motion { displacement: 0.6389e-4, ..Motion::default() }; // D/σ
+    /// let force: f64 = teflon.step(&mut state, &presliding);
+    /// assert!((force - 0.6389 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct Dahl<S> {
+        /// Friction limit in positive motion, D_p, N.
+        pub limit_p: S,
+        /// Friction limit in negative motion, D_n, N.
+        pub limit_n: S,
+        /// Stiffness at z = 0, σ, N/m.
+        pub sigma: S,
+        /// Shape exponent i, dimensionless: 1 is an exponential approach to the limit, 0 an ideal spring with a slider.
+        pub exponent: S,
+        /// Viscous friction b, N·s/m.
+        pub viscous: S,
+    }
 }
 
 /// State of [`Dahl`].

@@ -6,46 +6,48 @@ use serde::{Deserialize, Serialize};
 /// Number of parts of a plastic displacement. The error from holding α falls with their square.
 const PARTS: usize = 3;
 
-/// Elasto-plastic friction [dupont-2002].
-///
-/// ```text
-/// dz/dt = v (1 − α(z, v) z/z_ss(v)),   z_ss = s g(v)/σ₀,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
-/// α = 0                                      |z| ≤ z_ba, or z and v point apart
-/// α = ½ + ½ sin(π (|z| − (|z_ss| + z_ba)/2)/(|z_ss| − z_ba))   between
-/// α = 1                                      |z| ≥ |z_ss|
-/// F = σ₀ z + σ₁ dz/dt + σ₂ v
-/// ```
-///
-/// Below z_ba = `elastic`·F_c/σ₀ the contact is a spring. A load that vibrates below that level does not move it, where
-/// Dahl's and the LuGre model drift. Elastic displacement is followed exactly. Plastic displacement is divided into parts
-/// with constant α, each solved by its exponential; |z| ≤ |z_ss| always, and any step is stable.
-///
-/// ```
-/// use friction::{ElastoPlastic, ElastoPlasticState, FrictionLaw, LuGre, Motion};
-/// let lugre = LuGre { sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.0, coulomb: 1.0, stiction: 1.0, stribeck_velocity: 1e-3 };
-/// let law = ElastoPlastic::of(lugre, 0.8);
-/// let mut state = ElastoPlasticState::default();
-/// let there = Motion { dt: 1e-3, displacement: 7e-6, ..Motion::default() };
-/// let back = Motion { dt: 1e-3, displacement: -7e-6, ..Motion::default() };
-/// assert!((law.step(&mut state, &there) - 0.7_f64).abs() < 1e-12); // below z_ba: the spring σ₀
-/// assert!(law.step(&mut state, &back).abs() < 1e-12); // and all of it returns
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ElastoPlastic<S> {
-    /// Bristle stiffness σ₀, N/m.
-    pub sigma_0: S,
-    /// Bristle damping σ₁, N·s/m.
-    pub sigma_1: S,
-    /// Viscous friction σ₂, N·s/m.
-    pub sigma_2: S,
-    /// Coulomb level F_c, N.
-    pub coulomb: S,
-    /// Stiction F_s, N. At least `coulomb`.
-    pub stiction: S,
-    /// Stribeck velocity v_s, m/s.
-    pub stribeck_velocity: S,
-    /// Elastic range as a share of F_c, 0 to 0.99. With 0 and α ≡ 1 the model would be LuGre.
-    pub elastic: S,
+described! {
+    /// Elasto-plastic friction [dupont-2002].
+    ///
+    /// ```text
+    /// dz/dt = v (1 − α(z, v) z/z_ss(v)),   z_ss = s g(v)/σ₀,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
+    /// α = 0                                      |z| ≤ z_ba, or z and v point apart
+    /// α = ½ + ½ sin(π (|z| − (|z_ss| + z_ba)/2)/(|z_ss| − z_ba))   between
+    /// α = 1                                      |z| ≥ |z_ss|
+    /// F = σ₀ z + σ₁ dz/dt + σ₂ v
+    /// ```
+    ///
+    /// Below z_ba = `elastic`·F_c/σ₀ the contact is a spring. A load that vibrates below that level does not move it, where
+    /// Dahl's and the LuGre model drift. Elastic displacement is followed exactly. Plastic displacement is divided into parts
+    /// with constant α, each solved by its exponential; |z| ≤ |z_ss| always, and any step is stable.
+    ///
+    /// ```
+    /// use friction::{ElastoPlastic, ElastoPlasticState, FrictionLaw, LuGre, Motion};
+    /// let lugre = LuGre { sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.0, coulomb: 1.0, stiction: 1.0, stribeck_velocity: 1e-3 };
+    /// let law = ElastoPlastic::of(lugre, 0.8);
+    /// let mut state = ElastoPlasticState::default();
+    /// let there = Motion { dt: 1e-3, displacement: 7e-6, ..Motion::default() };
+    /// let back = Motion { dt: 1e-3, displacement: -7e-6, ..Motion::default() };
+    /// assert!((law.step(&mut state, &there) - 0.7_f64).abs() < 1e-12); // below z_ba: the spring σ₀
+    /// assert!(law.step(&mut state, &back).abs() < 1e-12); // and all of it returns
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct ElastoPlastic<S> {
+        /// Bristle stiffness σ₀, N/m.
+        pub sigma_0: S,
+        /// Bristle damping σ₁, N·s/m.
+        pub sigma_1: S,
+        /// Viscous friction σ₂, N·s/m.
+        pub sigma_2: S,
+        /// Coulomb level F_c, N.
+        pub coulomb: S,
+        /// Stiction F_s, N. At least `coulomb`.
+        pub stiction: S,
+        /// Stribeck velocity v_s, m/s.
+        pub stribeck_velocity: S,
+        /// Elastic range as a share of F_c, 0 to 0.99. With 0 and α ≡ 1 the model would be LuGre.
+        pub elastic: S,
+    }
 }
 
 /// State of [`ElastoPlastic`].

@@ -6,45 +6,47 @@ use serde::{Deserialize, Serialize};
 /// Number of elements of [`MaxwellSlip`].
 pub const ELEMENTS: usize = 6;
 
-/// Generalised Maxwell slip [al-bender-2005] with six elements.
-///
-/// ```text
-/// sticking:  dF_i/dt = k_i v            until |F_i| = ν_i g(v)
-/// slipping:  dF_i/dt = s C (ν_i − s F_i/g(v))   until v changes sign
-/// F = Σ F_i + σ₂ v,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
-/// ```
-///
-/// The only law of this crate with non-local memory: when an inner hysteresis loop closes, the force continues along the
-/// outer one. At constant speed the slipping equation is solved exactly over the step.
-///
-/// ```
-/// use friction::{FrictionLaw, MaxwellSlip, MaxwellSlipState, Motion};
-/// let law = MaxwellSlip::new(3.0, 1e-4);
-/// let mut state = MaxwellSlipState::default();
-/// let slide = |distance| Motion { dt: 1e-3, displacement: distance, ..Motion::default() };
-/// // 2.75 presliding lengths: every element slips
-/// assert!((law.step(&mut state, &slide(2.75e-4)) - 3.0_f64).abs() < 1e-12);
-/// // a closed inner loop returns to where it began
-/// let outer = law.step(&mut state, &slide(-1e-4));
-/// law.step(&mut state, &slide(2e-5));
-/// assert!((law.step(&mut state, &slide(-2e-5)) - outer).abs() < 1e-12);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct MaxwellSlip<S> {
-    /// Stiffness k_i as a share of F_c, 1/m.
-    pub stiffness: [S; ELEMENTS],
-    /// Shares ν_i of the sliding level. They sum to 1.
-    pub share: [S; ELEMENTS],
-    /// Coulomb level F_c, N.
-    pub coulomb: S,
-    /// Stiction F_s, N. At least `coulomb`.
-    pub stiction: S,
-    /// Stribeck velocity v_s, m/s.
-    pub stribeck_velocity: S,
-    /// Attraction C, the rate at which a slipping element follows the level, N/s.
-    pub attraction: S,
-    /// Viscous friction σ₂, N·s/m.
-    pub viscous: S,
+described! {
+    /// Generalised Maxwell slip [al-bender-2005] with six elements.
+    ///
+    /// ```text
+    /// sticking:  dF_i/dt = k_i v            until |F_i| = ν_i g(v)
+    /// slipping:  dF_i/dt = s C (ν_i − s F_i/g(v))   until v changes sign
+    /// F = Σ F_i + σ₂ v,   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
+    /// ```
+    ///
+    /// The only law of this crate with non-local memory: when an inner hysteresis loop closes, the force continues along the
+    /// outer one. At constant speed the slipping equation is solved exactly over the step.
+    ///
+    /// ```
+    /// use friction::{FrictionLaw, MaxwellSlip, MaxwellSlipState, Motion};
+    /// let law = MaxwellSlip::new(3.0, 1e-4);
+    /// let mut state = MaxwellSlipState::default();
+    /// let slide = |distance| Motion { dt: 1e-3, displacement: distance, ..Motion::default() };
+    /// // 2.75 presliding lengths: every element slips
+    /// assert!((law.step(&mut state, &slide(2.75e-4)) - 3.0_f64).abs() < 1e-12);
+    /// // a closed inner loop returns to where it began
+    /// let outer = law.step(&mut state, &slide(-1e-4));
+    /// law.step(&mut state, &slide(2e-5));
+    /// assert!((law.step(&mut state, &slide(-2e-5)) - outer).abs() < 1e-12);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct MaxwellSlip<S> {
+        /// Stiffness k_i as a share of F_c, 1/m.
+        pub stiffness: [S; ELEMENTS],
+        /// Shares ν_i of the sliding level. They sum to 1.
+        pub share: [S; ELEMENTS],
+        /// Coulomb level F_c, N.
+        pub coulomb: S,
+        /// Stiction F_s, N. At least `coulomb`.
+        pub stiction: S,
+        /// Stribeck velocity v_s, m/s.
+        pub stribeck_velocity: S,
+        /// Attraction C, the rate at which a slipping element follows the level, N/s.
+        pub attraction: S,
+        /// Viscous friction σ₂, N·s/m.
+        pub viscous: S,
+    }
 }
 
 /// State of [`MaxwellSlip`].

@@ -15,41 +15,43 @@ pub enum Adhesion {
     StickCreepSlipSlide,
 }
 
-/// Friction of Hayward and Armstrong [hayward-2000] [thesis, eq. 4.4 to 4.8].
-///
-/// ```text
-/// dz/dx = 1 − α(z) sgn(dx) z,   F = k z + b v
-/// z_k = x_k − w_(k−1)
-/// w_k = x_k − z_max sgn z_k               where α(z_k) |z_k| > 1   (the contact slips)
-/// w_k = w_(k−1) + |x_k − x_(k−1)| α(z_k) z_k   elsewhere           (it creeps, or holds)
-/// ```
-///
-/// The force is a function of displacement alone. Position noise below z_max at rest causes no drift, and the length of a
-/// time step has no influence. With `StickSlipSlide` the force is a sawtooth with period z_stick − z_max in *distance*: the
-/// frequency of the rendered stick-slip is v/(z_stick − z_max) and belongs to the interface, as long as the displacement of
-/// a step is smaller than that period.
-///
-/// ```
-/// use friction::{Adhesion, FrictionLaw, HaywardArmstrong, HaywardArmstrongState, Motion};
-/// let adhesion = Adhesion::StickSlipSlide;
-/// let law = HaywardArmstrong { stiffness: 1e4, dynamic: 3.0, stiction: 3.5, viscous: 0.0, adhesion };
-/// let mut state = HaywardArmstrongState::default();
-/// let slide = |distance| Motion { displacement: distance, ..Motion::default() };
-/// assert!((law.step(&mut state, &slide(3.4e-4)) - 3.4_f64).abs() < 1e-9); // holds
-/// assert!((law.step(&mut state, &slide(0.2e-4)) - 3.0_f64).abs() < 1e-9); // slips
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct HaywardArmstrong<S> {
-    /// Stiffness of the contact k, N/m.
-    pub stiffness: S,
-    /// Kinetic friction k z_max, N.
-    pub dynamic: S,
-    /// Friction k z_stick at which the contact yields, N. At least `dynamic`; not used by `stick_slide`.
-    pub stiction: S,
-    /// Viscous friction b, N·s/m.
-    pub viscous: S,
-    /// The way the contact yields.
-    pub adhesion: Adhesion,
+described! {
+    /// Friction of Hayward and Armstrong [hayward-2000] [thesis, eq. 4.4 to 4.8].
+    ///
+    /// ```text
+    /// dz/dx = 1 − α(z) sgn(dx) z,   F = k z + b v
+    /// z_k = x_k − w_(k−1)
+    /// w_k = x_k − z_max sgn z_k               where α(z_k) |z_k| > 1   (the contact slips)
+    /// w_k = w_(k−1) + |x_k − x_(k−1)| α(z_k) z_k   elsewhere           (it creeps, or holds)
+    /// ```
+    ///
+    /// The force is a function of displacement alone. Position noise below z_max at rest causes no drift, and the length of a
+    /// time step has no influence. With `StickSlipSlide` the force is a sawtooth with period z_stick − z_max in *distance*: the
+    /// frequency of the rendered stick-slip is v/(z_stick − z_max) and belongs to the interface, as long as the displacement of
+    /// a step is smaller than that period.
+    ///
+    /// ```
+    /// use friction::{Adhesion, FrictionLaw, HaywardArmstrong, HaywardArmstrongState, Motion};
+    /// let adhesion = Adhesion::StickSlipSlide;
+    /// let law = HaywardArmstrong { stiffness: 1e4, dynamic: 3.0, stiction: 3.5, viscous: 0.0, adhesion };
+    /// let mut state = HaywardArmstrongState::default();
+    /// let slide = |distance| Motion { displacement: distance, ..Motion::default() };
+    /// assert!((law.step(&mut state, &slide(3.4e-4)) - 3.4_f64).abs() < 1e-9); // holds
+    /// assert!((law.step(&mut state, &slide(0.2e-4)) - 3.0_f64).abs() < 1e-9); // slips
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct HaywardArmstrong<S> {
+        /// Stiffness of the contact k, N/m.
+        pub stiffness: S,
+        /// Kinetic friction k z_max, N.
+        pub dynamic: S,
+        /// Friction k z_stick at which the contact yields, N. At least `dynamic`; not used by `stick_slide`.
+        pub stiction: S,
+        /// Viscous friction b, N·s/m.
+        pub viscous: S,
+        /// The way the contact yields.
+        pub adhesion: Adhesion,
+    }
 }
 
 /// State of [`HaywardArmstrong`].

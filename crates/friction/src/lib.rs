@@ -8,6 +8,7 @@
 //!   [`Armstrong`].
 //! * Physics that a complete law leaves out, and what sensors and drives make of a record: [`effects`].
 //! * Physics without a name: [`FreeForm`].
+//! * Every law by its id, with its parameters: [`LAWS`], [`with_every_law`].
 //! * Units: [`Dimension`], [`Geometry`], [`parameters`].
 #![no_std]
 #![forbid(unsafe_code)]
@@ -16,6 +17,9 @@
 extern crate alloc;
 #[cfg(test)]
 extern crate std;
+
+#[macro_use]
+mod about_law;
 
 mod any;
 mod armstrong;
@@ -43,6 +47,7 @@ mod scalar;
 mod sine;
 mod viscous;
 
+pub use about_law::{AboutLaw, DescribeLaw, LAWS, LawParameter};
 pub use any::{Law, LawState};
 pub use armstrong::{Armstrong, ArmstrongState};
 pub use bristle::{Bristle, BristleState};

@@ -3,45 +3,47 @@
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// LuGre friction [canudas-de-wit-1995].
-///
-/// ```text
-/// dz/dt = v − σ₀ |v| z / g(v),   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
-/// F = σ₀ z + σ₁ dz/dt + σ₂ v
-/// ```
-///
-/// With v and g held over a step, z has a closed solution in the distance slid; dz/dt is its mean over the step. Any step
-/// length is stable, and |z| ≤ F_s/σ₀ up to rounding.
-///
-/// The law is passive if and only if σ₂ ≥ σ₁ (F_s − F_c)/F_c [barabanov-2000], see [`LuGre::is_passive`]. Otherwise the
-/// bristle damping can return energy while the body slides. Like Dahl's model it drifts under a vibrating load.
-///
-/// ```
-/// use friction::{FrictionLaw, LuGre, LuGreState, Motion};
-/// let law = LuGre { sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.4, coulomb: 1.0, stiction: 1.5, stribeck_velocity: 1e-3 };
-/// let mut state = LuGreState::default();
-/// let mut force: f64 = 0.0;
-/// for _ in 0..1000 {
-///     let slow = Motion { dt: 1e-3, displacement: 1e-6, velocity: 1e-3, ..Motion::default() };
-///     force = law.step(&mut state, &slow);
-/// }
-/// // steady sliding at the Stribeck velocity: g(v_s) = 1 + 0.5/e, plus the viscous part
-/// assert!((force - (1.0 + 0.5 * (-1.0_f64).exp() + 0.4e-3)).abs() < 1e-9);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LuGre<S> {
-    /// Bristle stiffness σ₀, N/m.
-    pub sigma_0: S,
-    /// Bristle damping σ₁, N·s/m.
-    pub sigma_1: S,
-    /// Viscous friction σ₂, N·s/m.
-    pub sigma_2: S,
-    /// Coulomb level F_c, N.
-    pub coulomb: S,
-    /// Stiction F_s, N. At least `coulomb`.
-    pub stiction: S,
-    /// Stribeck velocity v_s, m/s.
-    pub stribeck_velocity: S,
+described! {
+    /// LuGre friction [canudas-de-wit-1995].
+    ///
+    /// ```text
+    /// dz/dt = v − σ₀ |v| z / g(v),   g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²)
+    /// F = σ₀ z + σ₁ dz/dt + σ₂ v
+    /// ```
+    ///
+    /// With v and g held over a step, z has a closed solution in the distance slid; dz/dt is its mean over the step. Any step
+    /// length is stable, and |z| ≤ F_s/σ₀ up to rounding.
+    ///
+    /// The law is passive if and only if σ₂ ≥ σ₁ (F_s − F_c)/F_c [barabanov-2000], see [`LuGre::is_passive`]. Otherwise the
+    /// bristle damping can return energy while the body slides. Like Dahl's model it drifts under a vibrating load.
+    ///
+    /// ```
+    /// use friction::{FrictionLaw, LuGre, LuGreState, Motion};
+    /// let law = LuGre { sigma_0: 1e5, sigma_1: 0.0, sigma_2: 0.4, coulomb: 1.0, stiction: 1.5, stribeck_velocity: 1e-3 };
+    /// let mut state = LuGreState::default();
+    /// let mut force: f64 = 0.0;
+    /// for _ in 0..1000 {
+    ///     let slow = Motion { dt: 1e-3, displacement: 1e-6, velocity: 1e-3, ..Motion::default() };
+    ///     force = law.step(&mut state, &slow);
+    /// }
+    /// // steady sliding at the Stribeck velocity: g(v_s) = 1 + 0.5/e, plus the viscous part
+    /// assert!((force - (1.0 + 0.5 * (-1.0_f64).exp() + 0.4e-3)).abs() < 1e-9);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct LuGre<S> {
+        /// Bristle stiffness σ₀, N/m.
+        pub sigma_0: S,
+        /// Bristle damping σ₁, N·s/m.
+        pub sigma_1: S,
+        /// Viscous friction σ₂, N·s/m.
+        pub sigma_2: S,
+        /// Coulomb level F_c, N.
+        pub coulomb: S,
+        /// Stiction F_s, N. At least `coulomb`.
+        pub stiction: S,
+        /// Stribeck velocity v_s, m/s.
+        pub stribeck_velocity: S,
+    }
 }
 
 /// State of [`LuGre`].

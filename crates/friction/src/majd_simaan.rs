@@ -3,35 +3,37 @@
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Friction of Majd and Simaan [majd-1995] [thesis, eq. 2.9].
-///
-/// ```text
-/// F(v) = f_v v + [f_c + σ e^(−|v|/v_c) − (σ + f_c) e^(−n|v|/v_c)] sgn v
-/// ```
-///
-/// The curve is continuous through zero and has no state. For the same reason the law cannot hold: under a load a body
-/// creeps. Its slope at rest, f_v + ((n − 1)σ + n f_c)/v_c ([`MajdSimaan::slope_at_rest`]), acts as a damper and limits
-/// the time step.
-///
-/// ```
-/// use friction::{FrictionLaw, MajdSimaan, Motion};
-/// let law = MajdSimaan { viscous: 2.0, coulomb: 3.0, stribeck: 0.0, critical_velocity: 1e-3, steepness: 10.0 };
-/// let force = |velocity| law.step(&mut (), &Motion { velocity, ..Motion::default() });
-/// assert_eq!(force(0.0), 0.0_f64);
-/// assert!((force(0.1) - 3.2).abs() < 1e-12); // f_c + f_v v
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct MajdSimaan<S> {
-    /// Slope well beyond the Stribeck region, f_v, N·s/m.
-    pub viscous: S,
-    /// Coulomb friction f_c, N.
-    pub coulomb: S,
-    /// Amplitude of the Stribeck part σ, N. [`MajdSimaan::with_stiction`] computes it from the static friction.
-    pub stribeck: S,
-    /// Critical velocity v_c, m/s.
-    pub critical_velocity: S,
-    /// Steepness at rest n, dimensionless. Above 1.
-    pub steepness: S,
+described! {
+    /// Friction of Majd and Simaan [majd-1995] [thesis, eq. 2.9].
+    ///
+    /// ```text
+    /// F(v) = f_v v + [f_c + σ e^(−|v|/v_c) − (σ + f_c) e^(−n|v|/v_c)] sgn v
+    /// ```
+    ///
+    /// The curve is continuous through zero and has no state. For the same reason the law cannot hold: under a load a body
+    /// creeps. Its slope at rest, f_v + ((n − 1)σ + n f_c)/v_c ([`MajdSimaan::slope_at_rest`]), acts as a damper and limits
+    /// the time step.
+    ///
+    /// ```
+    /// use friction::{FrictionLaw, MajdSimaan, Motion};
+    /// let law = MajdSimaan { viscous: 2.0, coulomb: 3.0, stribeck: 0.0, critical_velocity: 1e-3, steepness: 10.0 };
+    /// let force = |velocity| law.step(&mut (), &Motion { velocity, ..Motion::default() });
+    /// assert_eq!(force(0.0), 0.0_f64);
+    /// assert!((force(0.1) - 3.2).abs() < 1e-12); // f_c + f_v v
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct MajdSimaan<S> {
+        /// Slope well beyond the Stribeck region, f_v, N·s/m.
+        pub viscous: S,
+        /// Coulomb friction f_c, N.
+        pub coulomb: S,
+        /// Amplitude of the Stribeck part σ, N. [`MajdSimaan::with_stiction`] computes it from the static friction.
+        pub stribeck: S,
+        /// Critical velocity v_c, m/s.
+        pub critical_velocity: S,
+        /// Steepness at rest n, dimensionless. Above 1.
+        pub steepness: S,
+    }
 }
 
 impl<S: Scalar> MajdSimaan<S> {

@@ -3,21 +3,23 @@
 use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
-/// Viscous friction F = b v with a separate b for each direction [thesis, eq. 2.3]. Holds nothing at rest.
-///
-/// ```
-/// use friction::{FrictionLaw, Motion, Viscous};
-/// // the fifth resistance of [thesis, table 5-2]
-/// let law = Viscous { damping_p: 35.0, damping_n: 35.0 };
-/// let moving = Motion { velocity: -0.1, ..Motion::default() };
-/// assert!((law.step(&mut (), &moving) + 3.5_f64).abs() < 1e-12);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Viscous<S> {
-    /// Coefficient b in positive motion, N·s/m.
-    pub damping_p: S,
-    /// Coefficient b in negative motion, N·s/m.
-    pub damping_n: S,
+described! {
+    /// Viscous friction F = b v with a separate b for each direction [thesis, eq. 2.3]. Holds nothing at rest.
+    ///
+    /// ```
+    /// use friction::{FrictionLaw, Motion, Viscous};
+    /// // the fifth resistance of [thesis, table 5-2]
+    /// let law = Viscous { damping_p: 35.0, damping_n: 35.0 };
+    /// let moving = Motion { velocity: -0.1, ..Motion::default() };
+    /// assert!((law.step(&mut (), &moving) + 3.5_f64).abs() < 1e-12);
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct Viscous<S> {
+        /// Coefficient b in positive motion, N·s/m.
+        pub damping_p: S,
+        /// Coefficient b in negative motion, N·s/m.
+        pub damping_n: S,
+    }
 }
 
 impl<S: Scalar> FrictionLaw<S> for Viscous<S> {

@@ -33,6 +33,7 @@ use crate::{model_curves, model_read};
 use friction::effects::EffectKind;
 use friction::parameters::OFFSET;
 use friction::{Dimension, Law};
+use signals::files::reason;
 use signals::{Error, Geometry};
 use std::fmt::Write;
 use std::path::Path;
@@ -45,8 +46,8 @@ impl Model {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| Error::File { file: file.clone(), why: e.to_string() })?;
+        let text =
+            std::fs::read_to_string(path).map_err(|e| Error::File { file: file.clone(), why: reason(&e) })?;
         Self::from_toml(&file, &text)
     }
 
@@ -67,7 +68,7 @@ impl Model {
         if let Err(refused) = self.validate() {
             return Err(Complaint { at: None, why: name_in_file(&self.law, refused).to_string() }.of(&file));
         }
-        std::fs::write(path, self.to_toml()).map_err(|e| Error::File { file, why: e.to_string() })
+        std::fs::write(path, self.to_toml()).map_err(|e| Error::File { file, why: reason(&e) })
     }
 
     /// What the device takes: name and value of every `set`, in an order it accepts.

@@ -1,6 +1,6 @@
 //! What can end a procedure.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What a procedure returns.
 pub(crate) type Result<T> = std::result::Result<T, Error>;
@@ -41,6 +41,24 @@ pub enum Error {
     /// A picture cannot be drawn.
     #[error(transparent)]
     Draw(#[from] report::picture::DrawError),
+    /// An option outside what is accepted.
+    #[error("{option}: {why}")]
+    Option {
+        /// Its name, words joined by `_`.
+        option: &'static str,
+        /// The value, and what would be accepted.
+        why: String,
+        /// What to do about it.
+        help: Option<String>,
+    },
+    /// Recordings that cannot be used together, or none.
+    #[error("{why}")]
+    Input {
+        /// Which, and why.
+        why: String,
+        /// What to do about it.
+        help: Option<String>,
+    },
     /// The virtual device refuses the block.
     #[error("{0}")]
     Block(String),
@@ -64,17 +82,42 @@ pub enum Error {
     /// No move is left to make.
     #[error("no move to make")]
     NoMove,
+    /// Interrupted, and nothing is kept.
+    #[error("interrupted")]
+    Cancelled,
     /// Interrupted before anything was diagnosed.
     #[error("interrupted before the first recording was complete: nothing was diagnosed")]
     Interrupted,
 }
 
 impl Error {
+    pub(crate) fn option(option: &'static str, why: impl Into<String>) -> Self {
+        Self::Option { option, why: why.into(), help: None }
+    }
+
+    pub(crate) fn input(why: impl Into<String>) -> Self {
+        Self::Input { why: why.into(), help: None }
+    }
+
+    /// A failure about a file: `FILE: why`, unless `why` already begins with the file's name.
+    pub(crate) fn in_file(path: &Path, why: &dyn std::fmt::Display) -> Self {
+        let (path, why) = (path.display().to_string(), why.to_string());
+        Self::input(if why.starts_with(&path) { why } else { format!("{path}: {why}") })
+    }
+
+    pub(crate) fn with_help(mut self, text: impl Into<String>) -> Self {
+        if let Self::Option { help, .. } | Self::Input { help, .. } = &mut self {
+            *help = Some(text.into());
+        }
+        self
+    }
+
     /// What to do about it, in one line.
     #[must_use]
     pub fn help(&self) -> Option<String> {
         match self {
             Self::Device(error) => error.help(),
+            Self::Option { help, .. } | Self::Input { help, .. } => help.clone(),
             Self::Comparison(error) => error.help().map(str::to_owned),
             Self::NoPreset { .. } => Some("`tribos preset list` has the names of the library".to_owned()),
             Self::Stopped { .. } => {

@@ -1,6 +1,11 @@
-//! What people do with a device, one file each. The host command prints what these return.
+//! What people do with recordings and with a device, one file each. The host command and the Python package show what these
+//! return.
 //!
 //! ```text
+//! recordings   files by the map each needs; several as one
+//! identified   a fit, its model and its report
+//! diagnosed    what a diagnosis is asked with
+//! predicted    the force of a recording by a model
 //! investigate  record, diagnose, make the move that tells explanations apart, repeat
 //! rendered     a real block, and the same rendered from its identification: do they feel the same?
 //! simulated    a model moved by the device's own control step
@@ -12,12 +17,18 @@
 #![forbid(unsafe_code)]
 
 pub mod conceal;
+pub mod diagnosed;
 mod error;
+mod prediction_errors;
+pub mod identified;
 pub mod investigate;
 pub mod library;
+pub mod predicted;
+pub mod recordings;
 pub mod rendered;
 pub mod simulated;
 mod watch;
 
 pub use error::Error;
+pub use prediction_errors::PredictionErrors;
 pub use watch::{Activity, Unwatched, Watch, record};

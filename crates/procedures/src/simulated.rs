@@ -3,13 +3,68 @@
 use crate::error::{Error, Result};
 use crate::watch::Watch;
 use client::{Calibration, Decoding, Move, Raw, Sample};
-use friction::{FrictionLaw, Law, Motion};
+use friction::{FrictionLaw, Invalid, Law, Motion};
 use haptics::{Channel, Control, Device, Request, Settings};
+use identify::Model;
 use plant::{Layered, NoHand, Rig, RigConfig, Sensor};
+use signals::{Geometry, Recording};
 use tribos_firmware::board::simulated::inputs;
 
 /// What the block slides by: a law and the effects beside it.
 pub type Slide = Layered<Law<f64>>;
+
+/// What a model's block slides by.
+///
+/// # Errors
+/// More effects or curves than a block can have.
+pub fn slide_of(model: &Model) -> std::result::Result<Slide, Invalid> {
+    let mut slide = Layered::with(model.law, &model.effects)?;
+    model.curves.iter().try_for_each(|curve| slide.add_curve(*curve))?;
+    Ok(slide)
+}
+
+/// The recording of a simulated rig that slides by a model. Its length is that of the motion, or `seconds`.
+///
+/// # Errors
+/// Those of [`slide_of`] and [`simulate`].
+pub fn recording(
+    model: &Model,
+    motion: &Move,
+    seconds: f64,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<Recording> {
+    let slide = slide_of(model).map_err(|e| Error::input(format!("{}: {e}", model.name)))?;
+    let seconds = motion.seconds.unwrap_or(seconds);
+    let (points, calibration) = simulate(slide, model.mass, motion, seconds, seed, watch)?;
+    let column = |f: fn(&Sample) -> f64| points.iter().map(f).collect::<Vec<f64>>();
+    let start = points.first().map_or(0.0, |p| p.time);
+    let offset = model.nuisances.offset;
+    let mut recording = Recording {
+        name: "simulated".into(),
+        geometry: model.geometry,
+        time: points.iter().map(|p| p.time - start).collect(),
+        position: column(|p| p.position),
+        force: points.iter().map(|p| p.force + offset).collect(),
+        velocity: Some(column(|p| p.velocity)),
+        acceleration: Some(column(|p| p.acceleration)),
+        ..Recording::default()
+    };
+    if model.geometry == Geometry::Linear {
+        recording.command = Some(column(|p| p.command));
+        recording.reference = Some(column(|p| p.reference));
+    }
+    for (key, value) in [
+        ("simulated_by", format!("tribos {}", env!("CARGO_PKG_VERSION"))),
+        ("model", model.name.clone()),
+        ("move", motion.to_string()),
+        ("seed", seed.to_string()),
+        ("newton_per_code", calibration.load_unit.to_string()),
+    ] {
+        recording.metadata.insert(key.into(), value);
+    }
+    Ok(recording)
+}
 
 /// Seconds before the recording begins: the ramp-in of the excitation and a period to settle.
 const WARM_UP_S: f64 = 1.5;
@@ -20,7 +75,7 @@ const WARM_UP_S: f64 = 1.5;
 /// them: PD gains with the moving mass, load cell range and noise with the expected force.
 ///
 /// # Errors
-/// A parameter of model or move that the simulation refuses, with what it would accept.
+/// A parameter of model or move that the simulation refuses, with what it would accept; [`Error::Cancelled`].
 pub fn simulate(
     slide: Slide,
     mass: f64,
@@ -109,6 +164,9 @@ pub fn simulate(
         }
         if k % 1000 == 0 {
             bar.set(k as f32 / (skipped + kept) as f32, "");
+            if watch.is_interrupted() {
+                return Err(Error::Cancelled);
+            }
         }
     }
     if plant.truth().not_finite > 0 {

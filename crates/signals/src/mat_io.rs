@@ -24,11 +24,50 @@ pub(crate) fn read<'m>(
     assemble(file, &variables, map)
 }
 
+/// The recording of columns in memory, by a map or by their own names.
+pub(crate) fn of_columns(
+    name: &str,
+    columns: Vec<(String, Vec<f64>)>,
+    maps: &[Map],
+) -> Result<Recording, Error> {
+    let variable = |(name, values): (String, Vec<f64>)| Variable {
+        name,
+        kind: "column",
+        size: vec![i32::try_from(values.len()).unwrap_or(i32::MAX)],
+        values: Some(values),
+    };
+    let variables: Vec<Variable> = columns.into_iter().map(variable).collect();
+    let mut mapped = false;
+    let mut recording = assemble(name, &variables, |has| {
+        let map = Map::needed(maps, has);
+        mapped = map.is_some();
+        map
+    })?;
+    if !mapped {
+        for Variable { name: column, values, .. } in variables {
+            if columns::find(&column).is_some() {
+                continue;
+            }
+            if !columns::meant(&column).is_empty() {
+                return Err(Error::Input {
+                    file: name.into(),
+                    place: Place::default(),
+                    value: column.clone(),
+                    accepted: format!("is an unknown column; {}", columns::advice(&column)),
+                });
+            }
+            recording.extra.insert(column, values.unwrap_or_default());
+        }
+        recording.check_lengths()?;
+    }
+    Ok(recording)
+}
+
 /// The recording that the variables of a file make, by a map or by their own names.
 pub(crate) fn assemble<'m>(
     file: &str,
     variables: &[Variable],
-    map: impl Fn(&dyn Fn(&str) -> bool) -> Option<&'m Map>,
+    map: impl FnOnce(&dyn Fn(&str) -> bool) -> Option<&'m Map>,
 ) -> Result<Recording, Error> {
     let has = variables.iter().map(Variable::says).collect::<Vec<_>>().join(", ");
     let Some(map) = map(&|name| variables.iter().any(|v| v.name == name && v.values.is_some())) else {

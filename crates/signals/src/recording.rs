@@ -1,6 +1,6 @@
 //! A recording: columns of equal length in SI units, and what is known about them.
 
-use crate::{Error, Map, csv_io, json_io, mat_io};
+use crate::{Error, Map, csv_io, files, json_io, mat_io};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -77,7 +77,7 @@ impl Recording {
     ) -> Result<Self, Error> {
         let file = path.display().to_string();
         let bytes =
-            std::fs::read(path).map_err(|e| Error::File { file: file.clone(), why: e.to_string() })?;
+            std::fs::read(path).map_err(|e| Error::File { file: file.clone(), why: files::reason(&e) })?;
         let named = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
         let mut recording = if named("mat") || bytes.starts_with(b"MATLAB 5.0") {
             mat_io::read(&file, &bytes, map)?
@@ -98,6 +98,24 @@ impl Recording {
         Ok(Self { name: name.into(), ..csv_io::read(name, text, |_| options.map.as_ref())? })
     }
 
+    /// A recording of columns by name, as from a data frame; `name` stands for them in messages. Without a map, columns of other
+    /// names are kept as [`Recording::extra`].
+    ///
+    /// ```
+    /// use signals::Recording;
+    /// let columns = [("time_s", [0.0, 1e-3]), ("position_m", [0.0, 1e-6]), ("force_n", [1.0, 1.1])];
+    /// let columns = columns.map(|(name, values)| (name.to_owned(), values.to_vec()));
+    /// let recording = Recording::from_columns("frame", columns.to_vec(), &[])?;
+    /// assert_eq!(recording.force, [1.0, 1.1]);
+    /// # Ok::<(), signals::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The column that is missing, given twice, of another length, or not what the map needs.
+    pub fn from_columns(name: &str, columns: Vec<(String, Vec<f64>)>, maps: &[Map]) -> Result<Self, Error> {
+        Ok(Self { name: name.into(), ..mat_io::of_columns(name, columns, maps)? })
+    }
+
     /// Writes CSV: [`Recording::read`] gives back equal columns, bit for bit.
     ///
     /// # Errors
@@ -106,7 +124,7 @@ impl Recording {
         let path = path.as_ref();
         let text = self.to_csv()?;
         std::fs::write(path, text)
-            .map_err(|e| Error::File { file: path.display().to_string(), why: e.to_string() })
+            .map_err(|e| Error::File { file: path.display().to_string(), why: files::reason(&e) })
     }
 
     /// The text of [`Recording::write_csv`].

@@ -1,8 +1,8 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    benchmark, compare, connect, convert, demo, design, design_args, diagnose, experiment, figures, identify,
-    investigate, lab, predict, preset, prove, record, simulate,
+    benchmark, compare, connect, convert, demo, design, design_args, diagnose, experiment, export, figures,
+    identify, investigate, lab, predict, preset, prove, record, simulate,
 };
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
@@ -37,6 +37,8 @@ enum Command {
     Predict(predict::Args),
     /// Move a simulated rig with a model's friction and record it
     Simulate(simulate::Args),
+    /// Write a model for a simulator, and say what its format cannot hold
+    Export(export::Args),
     /// Presets: the library, a device's, files
     Preset(preset::Args),
     /// Stability bounds and limit cycles of a rendered block, before anything runs
@@ -69,6 +71,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Compare(args) => compare::run(args),
         Command::Predict(args) => predict::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Export(args) => export::run(args),
         Command::Preset(args) => preset::run(args),
         Command::Design(args) => design::run(args),
         Command::Figures(args) => figures::run(args),

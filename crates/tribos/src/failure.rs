@@ -122,14 +122,22 @@ macro_rules! with_help {
     };
 }
 
-with_help!(
-    benchmark::Error,
-    client::Error,
-    compare::Error,
-    perception::study::Error,
-    procedures::Error,
-    prove::Error
-);
+with_help!(benchmark::Error, client::Error, compare::Error, perception::study::Error, prove::Error);
+
+impl From<procedures::Error> for Failure {
+    fn from(error: procedures::Error) -> Self {
+        let failure = match &error {
+            procedures::Error::Option { option, why, .. } => {
+                Self::new(format!("--{}: {why}", option.replace('_', "-")))
+            }
+            other => Self::new(other),
+        };
+        match error.help() {
+            Some(help) => failure.help(help),
+            None => failure,
+        }
+    }
+}
 
 /// What went wrong, where nothing more can be said.
 macro_rules! plain {

@@ -1,6 +1,7 @@
 //! Options several commands share, and the values they accept.
 
 use clap::ValueEnum;
+use procedures::identified::{FittedLaw, Preprocessing};
 use std::path::PathBuf;
 
 /// Friction law to identify.
@@ -13,6 +14,15 @@ pub enum LawChoice {
     Dahl,
 }
 
+impl From<LawChoice> for FittedLaw {
+    fn from(choice: LawChoice) -> Self {
+        match choice {
+            LawChoice::Karnopp => Self::Karnopp,
+            LawChoice::Dahl => Self::Dahl,
+        }
+    }
+}
+
 /// How positions become velocities and accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum PreprocessChoice {
@@ -23,6 +33,16 @@ pub enum PreprocessChoice {
     Emps,
     /// The columns as recorded; what is missing by four-point differences
     Thesis,
+}
+
+impl From<PreprocessChoice> for Preprocessing {
+    fn from(choice: PreprocessChoice) -> Self {
+        match choice {
+            PreprocessChoice::Tribos => Self::Tribos,
+            PreprocessChoice::Emps => Self::Emps,
+            PreprocessChoice::Thesis => Self::Thesis,
+        }
+    }
 }
 
 /// Recordings to read.

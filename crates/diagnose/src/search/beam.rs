@@ -1,6 +1,7 @@
 //! Naming: a beam search over the catalogue with pair steps, each step tested against the best of a null
 //! catalogue and against a bootstrap of its held-out gain, then pruned backward.
 
+use crate::options::{Interrupted, Watch, tell};
 use crate::regression::linear::Blocks;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::{LEVEL, Search};
@@ -19,16 +20,21 @@ const MOST_OF_REST: f64 = 0.5;
 impl Search<'_> {
     /// The best hypothesis whose every term is significant, holds out of sample and is material; with everything that `from`
     /// has already, unless it does not hold beside the rest.
-    pub fn run(&self, from: Hypothesis, progress: &dyn Fn(f32, &str)) -> Option<(Hypothesis, Vec<f64>)> {
-        let start = Hypothesis::new(self.design, Vec::new())?.fit.heldout_sum();
+    pub fn run(
+        &self,
+        from: Hypothesis,
+        watch: Watch<'_>,
+    ) -> Result<Option<(Hypothesis, Vec<f64>)>, Interrupted> {
+        let Some(empty) = Hypothesis::new(self.design, Vec::new()) else { return Ok(None) };
+        let start = empty.fit.heldout_sum();
         let mut best = from.clone();
         let mut beam = vec![from];
         while best.atoms.len() < self.max_terms {
-            progress(
-                0.3 + 0.5 * best.atoms.len() as f32 / self.max_terms as f32,
-                &format!("naming: {} found", best.atoms.len()),
-            );
+            let share = 0.3 + 0.5 * best.atoms.len() as f32 / self.max_terms as f32;
+            let what = format!("naming: {} found", best.atoms.len());
+            tell(watch, share, &what)?;
             let mut next: Vec<Hypothesis> = beam.iter().flat_map(|h| self.extend(h)).collect();
+            tell(watch, share, &what)?;
             next.sort_by(|a, b| self.cost(a).total_cmp(&self.cost(b)));
             let mut kept: Vec<Hypothesis> = Vec::new();
             for h in next {
@@ -43,8 +49,9 @@ impl Search<'_> {
             best = found.clone();
             beam = kept;
         }
+        tell(watch, 0.3 + 0.5 * best.atoms.len() as f32 / self.max_terms as f32, "refining")?;
         let best = self.refine(self.rather(self.plain(self.simplify(best))), FINE);
-        Some(self.prune(transport::settle(self, best), start))
+        Ok(Some(self.prune(transport::settle(self, best), start)))
     }
 
     fn material(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {

@@ -17,6 +17,7 @@ const LAYERS: &[&str] = &[
     "fixtures",
     "signals",
     "identify",
+    "export",
     "diagnose",
     "perception",
     "compare",
@@ -32,6 +33,7 @@ const LAYERS: &[&str] = &[
     "benchmark",
     "figures",
     "prove",
+    "tribos-python",
     "tribos",
     "architecture",
 ];

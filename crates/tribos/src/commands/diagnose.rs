@@ -5,7 +5,7 @@ use crate::options::{Recordings, Results};
 use crate::progress::Progress;
 use crate::{files, reading};
 use diagnose::{Diagnosis, FreeFormFinding, Nuisance, Options, Verdict, diagnose};
-use friction::effects::{Describe, Unnamed};
+use procedures::{diagnosed, recordings};
 use report::Table;
 use report::number::{number, with_std};
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ pub struct Args {
     cutoff: Option<f64>,
     /// What differs between the recordings: offset (of the force), origin (of the position), friction (its level).
     /// Everything else is shared; on --validate recordings these are fitted again, beside the frozen figure
-    #[arg(long, value_name = "NUISANCE", value_delimiter = ',', value_parser = nuisance)]
+    #[arg(long, value_name = "NUISANCE", value_delimiter = ',', value_parser = diagnosed::nuisance)]
     per_recording: Vec<Nuisance>,
     /// The encoder is absolute, or was homed: phases along the stroke hold on --validate recordings
     #[arg(long)]
@@ -42,26 +42,8 @@ pub struct Args {
     results: Results,
 }
 
-fn nuisance(text: &str) -> std::result::Result<Nuisance, String> {
-    Nuisance::from_id(text).ok_or_else(|| {
-        let ids: Vec<&str> = Nuisance::ALL.iter().map(|n| n.id()).collect();
-        format!("accepted are {}", ids.join(", "))
-    })
-}
-
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     args.results.check()?;
-    if !args.per_recording.is_empty() && args.recordings.files.len() + args.validate.len() < 2 {
-        return Err(Failure::new(
-            "--per-recording: with one recording there is no other to differ from; accepted with two or more",
-        ));
-    }
-    for id in args.exclude.iter().chain(&args.expect) {
-        check_finding(id)?;
-    }
-    let files: Vec<&PathBuf> = args.recordings.files.iter().chain(&args.validate).collect();
-    let mut train = reading::read_all(&files, &args.recordings.mapping)?;
-    let validate = train.split_off(args.recordings.files.len());
     let options = Options {
         declared_noise: args.noise,
         cutoff_hz: args.cutoff,
@@ -70,6 +52,13 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         absolute: args.absolute,
         ..Options::default()
     };
+    diagnosed::check(&options, args.recordings.files.len() + args.validate.len())?;
+    if let Some(finding) = &args.expect {
+        diagnosed::check_finding(finding)?;
+    }
+    let files: Vec<&PathBuf> = args.recordings.files.iter().chain(&args.validate).collect();
+    let mut train = reading::read_all(&files, &args.recordings.mapping)?;
+    let validate = train.split_off(args.recordings.files.len());
     let found = {
         let bar = Progress::new("diagnosing");
         diagnose(&train, &validate, &options, &|share, what| bar.set(share, what)).map_err(Failure::new)?
@@ -83,7 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
             ))
             .help(found.summary.clone())
         })?;
-        let model = identify::Model { name: super::identify::model_name(&train), ..model.clone() };
+        let model = identify::Model { name: recordings::model_name(&train), ..model.clone() };
         files::write(path, model.to_toml().as_bytes())?;
     }
     if let Some(path) = &args.results.report {
@@ -121,18 +110,6 @@ fn effects_help() -> String {
         out += &format!("  {:28} {}\n", about.id, about.says);
     }
     out
-}
-
-/// An id that the diagnosis knows.
-pub(crate) fn check_finding(id: &str) -> Result<()> {
-    let known = diagnose::effect_ids();
-    if known.contains(&id)
-        || matches!(id, "mismatch" | "no_mismatch" | "not_testable")
-        || id == Unnamed::ABOUT.id
-    {
-        return Ok(());
-    }
-    Err(Failure::new(format!("`{id}` is no effect")).help(format!("accepted are {}", known.join(", "))))
 }
 
 /// The diagnosis without its details: where it goes wrong and what was left out.

@@ -3,14 +3,10 @@
 use crate::failure::{Failure, Outcome, Result};
 use crate::options::{LawChoice, PreprocessChoice, Recordings, Results};
 use crate::{files, reading};
-use diagnose::Quantity;
-use identify::{
-    DahlOptions, Errors, Estimate, Identification, KarnoppOptions, Model, Preprocess, Signals, identify_dahl,
-    identify_karnopp, prepare,
-};
+use identify::{Estimate, Identification, Model};
+use procedures::identified::{FittedLaw, How, identify};
+use report::Table;
 use report::number::{number, with_std};
-use report::{Identified, Table, Undetermined};
-use signals::{Preparation, Recording};
 
 /// Options of `identify`.
 #[derive(Debug, clap::Args)]
@@ -39,65 +35,34 @@ pub struct Args {
     results: Results,
 }
 
-/// One fit and what it was made of.
-struct Fit {
-    signals: Signals,
-    found: Identification,
-}
-
-fn fit(args: &Args, recording: &Recording, how: &Preprocess, preparations: &[Preparation]) -> Result<Fit> {
-    let errors = if args.least_squares { Errors::LeastSquares } else { Errors::default() };
-    let signals = prepare(recording, how).map_err(Failure::new)?;
-    let mut found = match args.law {
-        LawChoice::Karnopp => identify_karnopp(
-            &signals,
-            &KarnoppOptions { errors, delta_v: args.delta_v, ..KarnoppOptions::default() },
-        ),
-        LawChoice::Dahl => identify_dahl(&signals, &DahlOptions { errors, ..DahlOptions::default() }),
-    }
-    .map_err(Failure::new)?;
-    if let [_, _, ..] = preparations {
-        // several were joined: each has its own preparation, behind the cut-off of the fit
-        let cutoff_hz = signals.preparation().cutoff_hz;
-        found.preparation = preparations.iter().map(|p| Preparation { cutoff_hz, ..p.clone() }).collect();
-        found.recording_faults = preparations.iter().flat_map(|p| p.faults.clone()).collect();
-    }
-    Ok(Fit { signals, found })
-}
-
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     args.results.check()?;
-    if args.law == LawChoice::Dahl && args.delta_v.is_some() {
-        return Err(Failure::new("--delta-v: the law of Dahl has none; accepted with --law karnopp"));
-    }
+    let how = How {
+        law: args.law.into(),
+        preprocess: args.preprocess.into(),
+        cutoff_hz: args.cutoff,
+        delta_v: args.delta_v,
+        least_squares: args.least_squares,
+    };
+    how.check()?;
     if let Some(name) = &args.expect {
-        check_parameter(args.law, name)?;
+        check_parameter(how.law, name)?;
     }
     let recordings = reading::read_all(&args.recordings.files, &args.recordings.mapping)?;
-    let (recording, preparations) = reading::joined(&recordings)?;
-    let default = Preprocess::Tribos { cutoff_hz: args.cutoff };
-    let how = match args.preprocess {
-        PreprocessChoice::Tribos => default,
-        PreprocessChoice::Emps => Preprocess::Emps,
-        PreprocessChoice::Thesis => Preprocess::Thesis,
-    };
-    let main = fit(args, &recording, &how, &preparations)?;
-    // what a published or a given preprocessing changes is seen beside the default
-    let beside = if how == default { None } else { fit(args, &recording, &default, &preparations).ok() };
-    let model = Model { name: model_name(&recordings), ..Model::from(&main.found) };
+    let main = identify(&recordings, &how)?;
     if let Some(path) = &args.results.out {
-        let text = model.to_toml();
+        let text = main.model.to_toml();
         files::write(path, text.as_bytes())?;
     }
     if let Some(path) = &args.results.report {
-        files::write(path, report::identification(&shown(&recording.name, &main, &model)).as_bytes())?;
+        files::write(path, main.report().as_bytes())?;
     }
     if let Some(path) = &args.results.json {
         let text = main.found.to_json().map_err(Failure::new)?;
         files::write(path, format!("{text}\n").as_bytes())?;
     }
     if !args.results.json_on_stdout() {
-        print!("{}", describe(&recording.name, &main.found, beside.as_ref().map(|fit| &fit.found)));
+        print!("{}", describe(&main.name, &main.found, main.beside.as_ref()));
         print!("{}", args.results.written());
     }
     Ok(match &args.expect {
@@ -111,49 +76,19 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
 /// # Errors
 /// What is wrong with the recordings.
 pub(crate) fn by_defaults(files: &[std::path::PathBuf]) -> Result<(String, String, Model)> {
-    let args = Args {
-        recordings: Recordings { files: files.to_vec(), mapping: crate::options::Mapping::default() },
-        law: LawChoice::default(),
-        preprocess: PreprocessChoice::default(),
-        cutoff: None,
-        delta_v: None,
-        least_squares: false,
-        expect: None,
-        results: Results::default(),
-    };
-    let recordings = reading::read_all(files, &args.recordings.mapping)?;
-    let (recording, preparations) = reading::joined(&recordings)?;
-    let fit = fit(&args, &recording, &Preprocess::Tribos { cutoff_hz: None }, &preparations)?;
-    let model = Model { name: model_name(&recordings), ..Model::from(&fit.found) };
-    let html = report::identification(&shown(&recording.name, &fit, &model));
-    Ok((describe(&recording.name, &fit.found, None), html, model))
+    let recordings = reading::read_all(files, &crate::options::Mapping::default())?;
+    let fit = identify(&recordings, &How::default())?;
+    Ok((describe(&fit.name, &fit.found, None), fit.report(), fit.model))
 }
 
 /// A parameter the law has.
-fn check_parameter(law: LawChoice, name: &str) -> Result<()> {
-    let known: &[&str] = match law {
-        LawChoice::Karnopp => {
-            &["mass", "coulomb_p", "coulomb_n", "viscous_p", "viscous_n", "static_p", "static_n", "delta_v"]
-        }
-        LawChoice::Dahl => &["mass", "viscous", "limit_p", "limit_n", "sigma"],
-    };
+fn check_parameter(law: FittedLaw, name: &str) -> Result<()> {
+    let known = law.parameters();
     if known.contains(&name) {
         return Ok(());
     }
     Err(Failure::new(format!("--expect: the law has no parameter `{name}`"))
         .help(format!("accepted are {}", known.join(", "))))
-}
-
-/// A preset's name from the file's.
-pub(crate) fn model_name(recordings: &[Recording]) -> String {
-    let name = recordings.first().map_or("", |r| r.name.as_str());
-    let stem = std::path::Path::new(name)
-        .file_stem()
-        .map(|s| s.to_string_lossy().to_lowercase())
-        .unwrap_or_default();
-    let clean: String =
-        stem.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).take(24).collect();
-    if clean.is_empty() { "identified".into() } else { clean }
 }
 
 /// The result as people read it.
@@ -218,33 +153,3 @@ const ORDER: [&str; 13] = [
     "limit_p",
     "limit_n",
 ];
-
-fn shown(name: &str, fit: &Fit, model: &Model) -> Identified {
-    let (signals, found) = (&fit.signals, &fit.found);
-    let quantity = |p: &Estimate| Quantity { value: p.value, std: p.std, unit: p.unit.clone() };
-    let mass = found.value("mass").unwrap_or(0.0);
-    Identified {
-        name: name.to_owned(),
-        law: found.law.clone(),
-        force_unit: found.force_unit.clone(),
-        samples: found.samples,
-        relative_error: found.relative_error,
-        parameters: found.parameters.iter().map(|(name, p)| (name.clone(), quantity(p))).collect(),
-        undetermined: found
-            .not_identifiable
-            .iter()
-            .map(|n| Undetermined {
-                parameter: n.parameter.clone(),
-                because: n.because.clone(),
-                experiment: n.experiment.clone(),
-            })
-            .collect(),
-        faults: found.recording_faults.clone(),
-        how: vec![found.estimator.clone(), found.preprocess.clone()],
-        time: signals.time.clone(),
-        velocity: signals.velocity.clone(),
-        force: signals.force.clone(),
-        predicted: model.predict_signals(signals),
-        friction: signals.force.iter().zip(&signals.acceleration).map(|(f, a)| f - mass * a).collect(),
-    }
-}

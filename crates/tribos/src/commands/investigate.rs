@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         return Err(Failure::new("--conceal: a real device hides what it hides; accepted with `sim`"));
     }
     if let Some(effect) = &args.expect {
-        super::diagnose::check_finding(effect)?;
+        procedures::diagnosed::check_finding(effect)?;
     }
     if let Some(path) = &args.json {
         files::check_writable(path)?;

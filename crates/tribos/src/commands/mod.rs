@@ -10,6 +10,7 @@ pub mod design_args;
 mod design_grid;
 pub mod diagnose;
 pub mod experiment;
+pub mod export;
 pub mod figures;
 pub mod identify;
 pub mod investigate;

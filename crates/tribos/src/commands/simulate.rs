@@ -4,11 +4,9 @@ use crate::failure::{Failure, Outcome, Result};
 use crate::options;
 use crate::terminal::Terminal;
 use crate::{files, reading};
-use client::{Move, Sample};
+use client::Move;
 use identify::Model;
-use plant::Layered;
-use procedures::simulated::{Slide, simulate};
-use signals::{Geometry, Recording};
+use procedures::simulated::{recording, slide_of};
 use std::path::PathBuf;
 
 /// Options of `simulate`.
@@ -34,41 +32,11 @@ pub struct Args {
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     files::check_writable(&args.out)?;
     let model = Model::read(&args.model).map_err(|e| Failure::in_file(&args.model, e))?;
-    let mut slide: Slide =
-        Layered::with(model.law, &model.effects).map_err(|e| Failure::in_file(&args.model, e))?;
-    for curve in &model.curves {
-        slide.add_curve(*curve).map_err(|e| Failure::in_file(&args.model, e))?;
-    }
-    let seconds = args.motion.seconds.unwrap_or(args.seconds);
-    let (points, calibration) = simulate(slide, model.mass, &args.motion, seconds, args.seed, &Terminal)?;
-    let column = |f: fn(&Sample) -> f64| points.iter().map(f).collect::<Vec<f64>>();
-    let start = points.first().map_or(0.0, |p| p.time);
-    let offset = model.nuisances.offset;
-    let mut recording = Recording {
-        name: args.out.display().to_string(),
-        geometry: model.geometry,
-        time: points.iter().map(|p| p.time - start).collect(),
-        position: column(|p| p.position),
-        force: points.iter().map(|p| p.force + offset).collect(),
-        velocity: Some(column(|p| p.velocity)),
-        acceleration: Some(column(|p| p.acceleration)),
-        ..Recording::default()
-    };
-    if model.geometry == Geometry::Linear {
-        recording.command = Some(column(|p| p.command));
-        recording.reference = Some(column(|p| p.reference));
-    }
-    for (key, value) in [
-        ("simulated_by", format!("tribos {}", env!("CARGO_PKG_VERSION"))),
-        ("model", model.name.clone()),
-        ("move", args.motion.to_string()),
-        ("seed", args.seed.to_string()),
-        ("newton_per_code", calibration.load_unit.to_string()),
-    ] {
-        recording.metadata.insert(key.into(), value);
-    }
+    slide_of(&model).map_err(|e| Failure::in_file(&args.model, e))?;
+    let recording = recording(&model, &args.motion, args.seconds, args.seed, &Terminal)?;
     reading::write_csv(&args.out, &recording)?;
     if args.out.as_os_str() != "-" {
+        let seconds = args.motion.seconds.unwrap_or(args.seconds);
         println!("{}: {} samples, {seconds} s", args.out.display(), recording.len());
     }
     Ok(Outcome::Done)
