@@ -329,6 +329,9 @@ pub struct Diagnosis {
     pub remainder: Remainder,
     /// Root-mean-square force above which a typical effect would have been seen, in the force unit.
     pub detectable: f64,
+    /// Share of the samples that were judged: those at which the body slides and the direction is known. At rest friction
+    /// is whatever balances the applied force, and says nothing.
+    pub judged_share: f64,
     /// Cut-off of the one zero-phase filter, Hz; every error above is behind it.
     pub cutoff_hz: f64,
     /// Nuisances that were declared to differ between the recordings fitted, relative to the first.

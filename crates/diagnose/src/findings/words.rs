@@ -44,6 +44,15 @@ impl ForceError {
     }
 }
 
+/// Part of the recording of which the verdict speaks, where that is not nearly all of it.
+fn judged(d: &Diagnosis) -> String {
+    let at_rest = 100.0 * (1.0 - d.judged_share);
+    if at_rest < 2.0 {
+        return String::new();
+    }
+    format!(" while it slides, {:.0} % of the samples", 100.0 - at_rest)
+}
+
 /// One sentence: what is missing, or that nothing is, and how sure that is.
 #[must_use]
 pub fn summary(d: &Diagnosis) -> String {
@@ -51,9 +60,10 @@ pub fn summary(d: &Diagnosis) -> String {
     match d.verdict {
         Verdict::NotTestable => "This recording cannot answer.".into(),
         Verdict::NoMismatch => format!(
-            "The model explains this recording down to its noise ({:.3} {unit}); an effect of more than about {} {unit} \
+            "The model explains this recording down to its noise ({:.3} {unit}){}; an effect of more than about {} {unit} \
              would have been seen.",
             d.baseline.rms_heldout,
+            judged(d),
             short(d.detectable),
         ),
         Verdict::Mismatch => {

@@ -78,6 +78,12 @@ impl DesignMatrix {
         self.share.iter().filter(|s| **s > 0.5).count()
     }
 
+    /// Share of the samples at which the direction of sliding is known.
+    pub fn judged_share(&self) -> f64 {
+        let judged = self.tracks.iter().flat_map(|t| &t.unknown).filter(|u| **u < 1.0 - SURE).count();
+        judged as f64 / self.tracks.iter().map(Track::len).sum::<usize>().max(1) as f64
+    }
+
     /// Effective number of rows in each block.
     pub fn block_weight(&self) -> Vec<f64> {
         (0..self.blocks.len()).map(|k| self.blocks.rows(k).map(|r| self.share[r]).sum()).collect()
