@@ -8,6 +8,7 @@
 //!   [`Armstrong`].
 //! * Physics that a complete law leaves out, and what sensors and drives make of a record: [`effects`].
 //! * Physics without a name: [`FreeForm`].
+//! * Friction in the plane, isotropic or with a grain: [`planar`].
 //! * Units: [`Dimension`], [`Geometry`], [`parameters`].
 #![no_std]
 #![forbid(unsafe_code)]
@@ -39,6 +40,7 @@ mod limits;
 mod lugre;
 mod majd_simaan;
 pub mod parameters;
+pub mod planar;
 mod scalar;
 mod sine;
 mod viscous;
