@@ -134,8 +134,9 @@ impl<S: Scalar> ElastoPlastic<S> {
             // α at the middle of the part, found with the α of the previous part
             let to_middle = half * part;
             rate = rate_at(z + to_middle * (one - rate * z), side - to_middle * (rate * side));
-            let path = part * mean_decay(rate * part);
-            let end = Vector { x: z + (one - rate * z) * path, y: side - rate * side * path }.within(steady);
+            let decay = mean_decay(rate * part);
+            let end = Vector { x: z + (one - rate * z) * part * decay, y: side - rate * side * part * decay }
+                .within(steady);
             (z, side) = (end.x, end.y);
         }
         (z, side)
