@@ -47,6 +47,7 @@ fn main() -> ExitCode {
             cycles::every_law_under_every_renderer_stays_within_the_cycles_of_a_step,
             cycles::cycles_of_every_law_and_of_a_bond,
             cycles::cycles_of_every_effect,
+            cycles::cycles_of_the_passivity_controller,
             cycles::the_longest_allowed_step_is_not_late,
             endurance::full_load_costs_no_step_and_no_frame,
             flash::power_cuts_leave_old_or_new_presets,

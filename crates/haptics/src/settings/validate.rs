@@ -1,7 +1,7 @@
 //! Validation with physics: an unsafe value is refused with the number that would be accepted, an unfaithful one is accepted
 //! with a warning.
 
-use super::{LawKind, RendererKind, Settings, effect_cycles};
+use super::{LawKind, PASSIVITY_CYCLES, RendererKind, Settings, effect_cycles};
 use crate::{Accepted, Device, Refused, Warning, bounds, number};
 use friction::Dimension;
 use friction::effects::EffectKind;
@@ -260,7 +260,9 @@ impl Settings {
             })?;
             self.check_stiffness(effect.kind, &effect.gains, device).map_err(named)?;
         }
-        let cycles: u32 = self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum();
+        let observer = if self.passivity { PASSIVITY_CYCLES } else { 0 };
+        let cycles = observer
+            + self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum::<u32>();
         if cycles > device.effect_cycles {
             return Err(Refused {
                 effect: None,
