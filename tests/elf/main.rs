@@ -40,6 +40,7 @@ fn main() -> ExitCode {
     untested::run!(
         tests![
             agreement::target_and_host_render_the_same_forces_bit_for_bit,
+            agreement::target_and_host_control_passivity_bit_for_bit,
             agreement::target_and_host_drive_the_handle_bit_for_bit,
             agreement::target_and_host_search_the_stops_bit_for_bit,
             black_box::a_reset_reports_its_reason_and_motion,

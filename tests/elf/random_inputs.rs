@@ -290,7 +290,7 @@ impl Pair {
 /// 25 000 random samples under one law: every renderer, four effects at a time out of all of them, a swap in mid-motion.
 fn law(law: LawKind, seed: u64) {
     let mut pair = Pair::boot(seed);
-    let (mut effects, mut observed) = (0, 0);
+    let mut effects = 0;
     for (round, renderer) in ["virtual_coupling", "impedance", "stopping_force"].into_iter().enumerate() {
         pair.use_preset("teflon");
         for (name, value) in
@@ -312,8 +312,6 @@ fn law(law: LawKind, seed: u64) {
         pair.ride(Style::Hand, 6_500);
         pair.style(Style::Hand);
         let swapped = pair.set("damping", "2.5");
-        // refused beside dear effects
-        observed += u32::from(pair.set("passivity", "on"));
         pair.ride(Style::Hand, 4_300);
         assert!(swapped || pair.follower.last.1 != 0);
         pair.ride(Style::Trips, 1_500);
@@ -329,7 +327,7 @@ fn law(law: LawKind, seed: u64) {
     assert!(pair.random_given() >= 25_000 && f.compared >= pair.random_given());
     assert!(f.sliding > 5_000 && f.wrapped > 0 && f.repeated > 0);
     assert!(f.faults.len() > 2, "no check was tripped");
-    assert!(effects >= 5 && observed > 0, "{effects} effects, {observed} times observed");
+    assert!(effects >= 5, "{effects} effects");
 }
 
 pub fn target_and_host_agree_over_random_inputs_under_karnopp() {
