@@ -65,6 +65,32 @@ mod board {
         (sum / STEPS, worst)
     }
 
+    /// A law in the plane on the same stroke, slanted and with a load across it.
+    struct InThePlane<L>(L);
+
+    impl<L: planar::FrictionLaw<f32>> FrictionLaw<f32> for InThePlane<L> {
+        type State = L::State;
+
+        fn step(&self, state: &mut L::State, m: &Motion<f32>) -> f32 {
+            let at = |x: f32, y: f32| planar::Vector { x, y };
+            let motion = planar::Motion {
+                dt: m.dt,
+                position: at(m.position, 0.6 * m.position),
+                displacement: at(m.displacement, 0.6 * m.displacement),
+                velocity: at(m.velocity, 0.6 * m.velocity),
+                applied: at(m.applied, 2.0 - m.applied),
+                mass: m.mass,
+                normal: m.normal,
+            };
+            let force = self.0.step(state, &motion);
+            force.x + force.y
+        }
+
+        fn validate(&self) -> Result<(), Invalid> {
+            self.0.validate()
+        }
+    }
+
     struct Table {
         row: usize,
         /// Cycles of measuring itself.
@@ -134,6 +160,15 @@ mod board {
                 adhesion,
             });
         }
+        // 1.8 times the friction across the grain
+        let grain = planar::Grain::at(0.4, 1.8);
+        let coulomb = planar::Coulomb { level: 3.5, stiction: 3.9, viscous: 8.7, grain };
+        table.add(InThePlane(planar::Karnopp { c: 3.5, b: 8.7, d: 3.9, delta_v: 0.02, grain }));
+        table.add(InThePlane(planar::Coulomb { grain: planar::Grain::default(), ..coulomb }));
+        table.add(InThePlane(coulomb));
+        table.add(InThePlane(planar::Dahl { limit: 3.3, sigma: 5e4, exponent: 1.0, viscous: 10.0, grain }));
+        table.add(InThePlane(planar::LuGre { contact: lugre, grain }));
+        table.add(InThePlane(planar::ElastoPlastic { contact: ElastoPlastic::of(lugre, 0.7), grain }));
         table.add(Bristle::<f32, 10> { stiffness: 5e4, level: 3.0, viscous: 8.7 });
         table.add(Bristle::<f32, 20> { stiffness: 5e4, level: 3.0, viscous: 8.7 });
         table.add(Bristle::<f32, 50> { stiffness: 5e4, level: 3.0, viscous: 8.7 });

@@ -15,9 +15,12 @@ fn inputs(sample: &Sample) -> Inputs {
 }
 
 /// A loop that knows the middle of its stroke, as the board does after `zero`.
-fn host(preset: &str) -> Control {
-    let settings = Settings::preset(preset).expect("built in");
+fn control(settings: Settings) -> Control {
     Control::referenced(settings.build(&Device::default()).expect("fits the rig"))
+}
+
+fn host(preset: &str) -> Control {
+    control(Settings::preset(preset).expect("built in"))
 }
 
 /// Replays what the target has measured, with the request in the period in which it left the idle state. Returns how
@@ -55,6 +58,41 @@ pub fn target_and_host_render_the_same_forces_bit_for_bit() {
         let (compared, sliding, largest) = replay(&board, host(name), &Request::Render(true));
         println!("{name}: {compared} forces identical, {sliding} of them sliding, up to {largest:.2} N");
         assert!(compared > 1_900 && sliding > 100, "{name}");
+    }
+}
+
+pub fn target_and_host_control_passivity_bit_for_bit() {
+    // a stiff spring with little damping gives energy: the controller has something to take
+    let changes = [("renderer", "impedance"), ("k_vc", "12000"), ("b_vc", "1"), ("passivity", "on")];
+    for name in ["brass", "rubber"] {
+        let mut board = Board::ready();
+        let mut settings = Settings::preset(name).expect("built in");
+        board.ok(&format!("preset use {name}"));
+        for (parameter, value) in changes {
+            board.ok(&format!("set {parameter} {value}"));
+            settings.set(parameter, value).expect("a parameter");
+        }
+        board.ok("stream on");
+        board.run(20.0);
+        board.ok("render on");
+        board.machine.set_hand(|t: f64, x: f64, v: f64| 900.0 * (0.006 * (9.0 * t).sin() - x) - 8.0 * v);
+        board.run(2_000.0);
+        let (compared, sliding, largest) = replay(&board, control(settings), &Request::Render(true));
+        // the same readings without it
+        let mut with = control(settings);
+        let mut without = control(Settings { passivity: false, ..settings });
+        let (mut idle, mut differ) = (true, 0);
+        for (_, sample) in board.samples() {
+            let begins = idle && sample.mode != 0;
+            idle &= !begins;
+            let request = begins.then_some(&Request::Render(true));
+            let forces = [&mut with, &mut without].map(|c| c.step(request, &inputs(&sample)).force);
+            differ += u32::from(forces[0] != forces[1]);
+        }
+        println!(
+            "{name}: {compared} forces identical, {sliding} sliding, up to {largest:.2} N; the controller changed {differ}"
+        );
+        assert!(compared > 1_900 && sliding > 100 && differ > 0, "{name}");
     }
 }
 

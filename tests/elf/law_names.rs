@@ -1,7 +1,7 @@
 //! The rows of the table of laws, in the order in which `examples/laws.rs` times them.
 
 /// Every law that the crate has, with what distinguishes two rows of one law.
-pub const NAMES: [&str; 17] = [
+pub const NAMES: [&str; 23] = [
     "viscous",
     "coulomb",
     "classic",
@@ -16,6 +16,12 @@ pub const NAMES: [&str; 17] = [
     "hayward_armstrong, stick_slide",
     "hayward_armstrong, stick_slip_slide",
     "hayward_armstrong, stick_creep_slip_slide",
+    "planar karnopp",
+    "planar coulomb, no grain",
+    "planar coulomb",
+    "planar dahl",
+    "planar lugre",
+    "planar elasto_plastic",
     "bristle, 10 bonds",
     "bristle, 20 bonds",
     "bristle, 50 bonds",

@@ -40,6 +40,7 @@ fn main() -> ExitCode {
     untested::run!(
         tests![
             agreement::target_and_host_render_the_same_forces_bit_for_bit,
+            agreement::target_and_host_control_passivity_bit_for_bit,
             agreement::target_and_host_drive_the_handle_bit_for_bit,
             agreement::target_and_host_search_the_stops_bit_for_bit,
             black_box::a_reset_reports_its_reason_and_motion,
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
             cycles::every_law_under_every_renderer_stays_within_the_cycles_of_a_step,
             cycles::cycles_of_every_law_and_of_a_bond,
             cycles::cycles_of_every_effect,
+            cycles::cycles_of_the_passivity_controller,
             cycles::the_longest_allowed_step_is_not_late,
             endurance::full_load_costs_no_step_and_no_frame,
             flash::power_cuts_leave_old_or_new_presets,

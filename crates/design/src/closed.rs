@@ -62,6 +62,7 @@ pub(crate) fn run(
 ) -> Result<(), Error> {
     let config = RigConfig {
         actuation_delay: 0,
+        period_ticks: device.period_ticks(),
         substeps: SUBSTEPS,
         device_damping: f64::from(device.damping),
         clock_jitter_ticks: JITTER,

@@ -8,6 +8,7 @@ mod grid_map;
 mod map;
 mod nearest;
 pub mod renderers;
+pub mod texture;
 
 pub use closed::Error;
 pub use grid_map::grid_map;

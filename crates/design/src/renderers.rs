@@ -9,6 +9,8 @@ use std::f64::consts::TAU;
 pub struct Measured {
     /// Which.
     pub renderer: RendererKind,
+    /// With the passivity observer and controller.
+    pub passivity: bool,
     /// rms difference to the law at the true velocity while sliding at 20 mm/s, N.
     pub sliding_error: f64,
     /// Force at which a slowly growing push moves what rubs, less the static friction, N.
@@ -34,12 +36,13 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Every renderer with this preset on the device of [thesis, table 3-1].
+/// Every renderer with this preset on the device of [thesis, table 3-1], each without and with the passivity controller.
 ///
 /// # Errors
 /// A preset that the device refuses under one of them.
 pub fn measure(preset: &Settings) -> Result<Vec<Measured>, Error> {
-    RendererKind::ALL.iter().map(|&renderer| one(&Settings { renderer, ..*preset })).collect()
+    let both = |&renderer| [false, true].map(|passivity| Settings { renderer, passivity, ..*preset });
+    RendererKind::ALL.iter().flat_map(both).map(|settings| one(&settings)).collect()
 }
 
 fn one(settings: &Settings) -> Result<Measured, Error> {
@@ -47,6 +50,7 @@ fn one(settings: &Settings) -> Result<Measured, Error> {
     let (creep, noise) = at_rest(settings, &device)?;
     Ok(Measured {
         renderer: settings.renderer,
+        passivity: settings.passivity,
         sliding_error: sliding(settings, &device)?,
         break_away_error: break_away(settings, &device)?,
         creep,
@@ -161,4 +165,31 @@ fn trembling(settings: &Settings, device: &Device) -> Result<f64, Error> {
         last = Some((truth.position, f64::from(out.force)));
     })?;
     Ok(given / (2.0 * HZ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passivity_control_takes_what_a_trembling_hand_was_given() {
+        // [thesis, table 5-3] is beyond the passivity bound of [colgate-1997]: b < KT/2 + B
+        let rows = measure(&Settings::forced_choice()).expect("accepted");
+        for pair in rows.chunks(2) {
+            let (off, on) = (&pair[0], &pair[1]);
+            println!(
+                "{:17} {:+.3} µJ a cycle without, {:+.3} with",
+                off.renderer.id(),
+                1e6 * off.energy,
+                1e6 * on.energy
+            );
+            assert!((off.passivity, on.passivity) == (false, true));
+            assert!(off.energy > 0.0 && on.energy < 0.0);
+            // what it costs: within a hundredth of the static friction
+            assert!(
+                (on.break_away_error - off.break_away_error).abs() < 0.02 && on.noise <= off.noise + 1e-4
+            );
+            assert!((on.sliding_error - off.sliding_error).abs() < 2e-3);
+        }
+    }
 }

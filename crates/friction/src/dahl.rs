@@ -57,7 +57,7 @@ impl<S: Scalar> Default for DahlState<S> {
 
 impl<S: Scalar> Dahl<S> {
     /// Fraction of the gap D − s z that remains after sliding `distance`.
-    fn decay(&self, gap: S, limit: S, distance: S) -> S {
+    pub(crate) fn decay(&self, gap: S, limit: S, distance: S) -> S {
         // Infinity, and 0·∞ from a vanishing limit, are capped: both slide to the limit.
         let cap = S::lit(1e30);
         let slid = cap.min(self.sigma * distance / limit);

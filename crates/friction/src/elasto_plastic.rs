@@ -1,5 +1,6 @@
 //! Elasto-plastic friction: LuGre with an elastic range, which removes its drift.
 
+use crate::planar::Vector;
 use crate::{FrictionLaw, Invalid, LuGre, Motion, Scalar, in_range, limits, mean_decay};
 use serde::{Deserialize, Serialize};
 
@@ -70,6 +71,12 @@ impl<S: Scalar> ElastoPlastic<S> {
         Self { sigma_0, sigma_1, sigma_2, coulomb, stiction, stribeck_velocity, elastic }
     }
 
+    /// The bristles without their elastic range.
+    pub(crate) fn bristles(&self) -> LuGre<S> {
+        let Self { sigma_0, sigma_1, sigma_2, coulomb, stiction, stribeck_velocity, elastic: _ } = *self;
+        LuGre { sigma_0, sigma_1, sigma_2, coulomb, stiction, stribeck_velocity }
+    }
+
     /// Steady friction level g(v) without the viscous part, N.
     ///
     /// ```
@@ -83,43 +90,58 @@ impl<S: Scalar> ElastoPlastic<S> {
         limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
 
-    /// Deflection in the direction of motion after sliding `distance` ≥ 0.
-    fn slid(&self, z: S, distance: S, steady: S) -> S {
-        let zero = S::zero();
+    /// Deflection after sliding `distance` ≥ 0: its parts in the direction of motion and across it. On a line the second is
+    /// zero.
+    ///
+    /// In the plane the plastic rate is dz/ds = n − α (z·n)₊/|z| z/z_ss: on the circle |z| = z_ss the deflection turns
+    /// towards the motion and stays on it.
+    pub(crate) fn slid(&self, z: S, side: S, distance: S, steady: S) -> (S, S) {
+        let (zero, one, half) = (S::zero(), S::one(), S::lit(0.5));
         let break_away = (self.elastic * self.coulomb / self.sigma_0).min(steady);
-        let springs = (break_away - z).max(zero).min(distance);
-        let (mut z, mut left) = (z + springs, distance - springs);
+        // where the path leaves the elastic range
+        let edge = if side == zero {
+            break_away
+        } else {
+            let share = (side / break_away).abs().min(one);
+            break_away * ((one - share) * (one + share)).sqrt()
+        };
+        let springs = (edge - z).max(zero).min(distance);
+        let (mut z, mut side, mut left) = (z + springs, side, distance - springs);
         if !(left > zero) {
-            return z;
+            return (z, side);
         }
         if !(steady > zero) {
-            return steady;
+            return (steady, zero);
         }
         // after a few z_ss the contact has forgotten its past
         left = left.min(S::lit(64.0) * steady);
-        let (one, half) = (S::one(), S::lit(0.5));
         let part = left * S::lit(1.0 / PARTS as f64);
         // divide once: a division costs a microcontroller as much as ten products
         let stiff = one / steady;
         let transition = S::lit(core::f64::consts::PI) / (steady - break_away);
         let centre = half * (steady + break_away);
-        // α/z_ss of a deflection in the direction of motion
-        let rate_at = |z: S| {
-            if z <= break_away {
+        // α/z_ss times the share of the deflection that points in the direction of motion
+        let rate_at = |z: S, side: S| {
+            let length = Vector { x: z, y: side }.norm();
+            if !(z > zero) || length <= break_away {
                 zero
-            } else if z >= steady {
-                stiff
+            } else if length >= steady {
+                stiff * (z / length)
             } else {
-                stiff * (half + half * (transition * (z - centre)).sin())
+                stiff * (half + half * (transition * (length - centre)).sin()) * (z / length)
             }
         };
-        let mut rate = rate_at(z);
+        let mut rate = rate_at(z, side);
         for _ in 0..PARTS {
             // α at the middle of the part, found with the α of the previous part
-            rate = rate_at(z + half * part * (one - rate * z));
-            z = (z + (one - rate * z) * part * mean_decay(rate * part)).min(steady);
+            let to_middle = half * part;
+            rate = rate_at(z + to_middle * (one - rate * z), side - to_middle * (rate * side));
+            let decay = mean_decay(rate * part);
+            let end = Vector { x: z + (one - rate * z) * part * decay, y: side - rate * side * part * decay }
+                .within(steady);
+            (z, side) = (end.x, end.y);
         }
-        z
+        (z, side)
     }
 }
 
@@ -137,7 +159,7 @@ impl<S: Scalar> FrictionLaw<S> for ElastoPlastic<S> {
             before
         } else {
             let (sign, steady) = (dx.sgn(), self.level(motion.velocity) / self.sigma_0);
-            sign * self.slid((sign * before).min(steady.max(zero)), dx.abs(), steady)
+            sign * self.slid((sign * before).min(steady.max(zero)), zero, dx.abs(), steady).0
         };
         let rate = if motion.dt > zero { limits::bounded((state.z - before) / motion.dt) } else { zero };
         limits::bounded(self.sigma_0 * state.z + self.sigma_1 * rate + self.sigma_2 * motion.velocity)

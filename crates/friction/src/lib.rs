@@ -9,6 +9,7 @@
 //! * Physics that a complete law leaves out, and what sensors and drives make of a record: [`effects`].
 //! * Physics without a name: [`FreeForm`].
 //! * Every law by its id, with its parameters: [`LAWS`], [`with_every_law`].
+//! * Friction in the plane, isotropic or with a grain: [`planar`].
 //! * Units: [`Dimension`], [`Geometry`], [`parameters`].
 #![no_std]
 #![forbid(unsafe_code)]
@@ -43,6 +44,7 @@ mod limits;
 mod lugre;
 mod majd_simaan;
 pub mod parameters;
+pub mod planar;
 mod scalar;
 mod sine;
 mod viscous;

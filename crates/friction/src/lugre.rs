@@ -72,6 +72,20 @@ impl<S: Scalar> LuGre<S> {
         limits::stribeck(self.coulomb, self.stiction, velocity, self.stribeck_velocity)
     }
 
+    /// Compliance of the bristles 1/σ₀, and 1/v_s. One division instead of two: a division costs a microcontroller as much
+    /// as ten products.
+    #[inline(always)]
+    pub(crate) fn inverses(&self) -> (S, S) {
+        let inverse = S::one() / (self.sigma_0 * self.stribeck_velocity);
+        (inverse * self.stribeck_velocity, inverse * self.sigma_0)
+    }
+
+    /// Share of a deflection's distance from its end that is left after sliding −`slid`, at the level g.
+    #[inline(always)]
+    pub(crate) fn left(&self, slid: S, level: S) -> S {
+        if level > S::zero() { (self.sigma_0 * slid / level).exp() } else { S::zero() }
+    }
+
     /// Whether the law is passive, that is never returns more energy than it received: σ₂ F_c ≥ σ₁ (F_s − F_c).
     ///
     /// ```
@@ -94,20 +108,17 @@ impl<S: Scalar> FrictionLaw<S> for LuGre<S> {
             return S::lit(f64::NAN);
         }
         let (dx, zero) = (motion.displacement, S::zero());
-        // one division instead of two: a division costs a microcontroller as much as ten products
-        let inverse = S::one() / (self.sigma_0 * self.stribeck_velocity);
-        let compliance = inverse * self.stribeck_velocity;
+        let (compliance, inverse_v_s) = self.inverses();
         let bound = self.stiction * compliance;
         let before = state.z.clamp(-bound, bound);
         if dx == zero {
             state.z = before;
         } else {
-            let ratio = motion.velocity * (inverse * self.sigma_0);
+            let ratio = motion.velocity * inverse_v_s;
             let level = limits::stribeck_at(self.coulomb, self.stiction, ratio);
             let (end, slid) = if dx > zero { (level, -dx) } else { (-level, dx) };
             let end = end * compliance;
-            let left = if level > zero { (self.sigma_0 * slid / level).exp() } else { zero };
-            state.z = end + (before - end) * left;
+            state.z = end + (before - end) * self.left(slid, level);
         }
         let rate = if motion.dt > zero { limits::bounded((state.z - before) / motion.dt) } else { zero };
         limits::bounded(self.sigma_0 * state.z + self.sigma_1 * rate + self.sigma_2 * motion.velocity)

@@ -3,7 +3,7 @@
 use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
 use crate::{Biquad, Device, RendererKind, Settings};
-use crate::{homing, silence};
+use crate::{homing, passivity, silence};
 use friction::effects::{Effect, EffectKind};
 use friction::{Law, Scalar};
 
@@ -20,6 +20,11 @@ pub struct Config {
     /// Part of [`Self::effects`] that a contact evaluates in a swap.
     pub(crate) kinds: [Option<EffectKind>; MAX_EFFECTS],
     pub(crate) has_effects: bool,
+    pub(crate) passivity: bool,
+    /// Largest damping of the passivity controller, N·s/m.
+    pub(crate) passivity_damping: f32,
+    /// 1/2K, m/N.
+    pub(crate) half_compliance: f32,
     pub(crate) dv: f32,
     pub(crate) mass: f32,
     pub(crate) stiffness: f32,
@@ -57,6 +62,9 @@ impl Config {
             effects: settings.effects,
             kinds: settings.effects.map(|effect| effect.map(|effect| effect.kind)),
             has_effects: settings.effects.iter().any(Option::is_some),
+            passivity: settings.passivity,
+            passivity_damping: passivity::damping_most(device.mass, device.period),
+            half_compliance: 0.5 / settings.k_vc,
             dv: settings.dv,
             mass: settings.mass,
             stiffness: settings.k_vc,

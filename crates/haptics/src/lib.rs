@@ -24,6 +24,7 @@ mod homing;
 mod io;
 mod machine;
 pub mod number;
+mod passivity;
 mod presets;
 mod probe;
 pub mod renderer;

@@ -30,6 +30,7 @@ impl Settings {
             sigma_1: 10.0,
             stribeck_velocity: 0.01,
             effects: [None; MAX_EFFECTS],
+            passivity: false,
         }
     }
 

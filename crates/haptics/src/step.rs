@@ -7,6 +7,7 @@ use crate::estimator::Estimator;
 use crate::excitation::Drive;
 use crate::homing::{Homed, Homing, Progress};
 use crate::machine::{Fault, Mode, Request};
+use crate::passivity::Passivity;
 use crate::renderer::{Contact, Handle, Rendered};
 use crate::safety::{self, Guard};
 use crate::silence::Bounds;
@@ -43,6 +44,7 @@ pub struct State {
     /// The next step runs with a new configuration.
     reconfigured: bool,
     recorder: Recorder,
+    passivity: Passivity,
 }
 
 impl State {
@@ -66,6 +68,7 @@ impl State {
             begun: None,
             reconfigured: false,
             recorder: Recorder::default(),
+            passivity: Passivity::default(),
         }
     }
 
@@ -288,6 +291,7 @@ impl State {
                 if !matches!(self.mode, Mode::Rendering { .. }) {
                     let contact = Contact::new(config, &handle.after(device.period));
                     (self.blend, self.swapped, self.fresh) = (0.0, false, true);
+                    self.passivity = Passivity::default();
                     self.mode = Mode::Rendering { since_ticks: inputs.sample_ticks, contact };
                 }
                 Ok(())
@@ -446,7 +450,12 @@ fn run_mode(
             // a NaN difference is dropped; the force itself raises the fault
             state.blend = if state.blend.abs() > 1e-4 { state.blend * config.blend_decay } else { 0.0 };
             describe(&rendered, outputs);
-            Some(rendered.force + state.blend)
+            let force = rendered.force + state.blend;
+            if config.passivity {
+                Some(state.passivity.step(config, contact, handle, state.force, force))
+            } else {
+                Some(force)
+            }
         }
         Mode::Exciting { drive, identifying } => {
             let command = drive.step(config, handle.position, handle.velocity);

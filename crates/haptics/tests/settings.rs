@@ -220,3 +220,42 @@ fn the_named_stiffness_is_accepted_without_damping() {
     println!("err: {refused}");
     Settings { k_vc: most, ..asked }.validate(&device).expect("the number it names");
 }
+
+#[test]
+fn a_pattern_is_no_steeper_than_the_contact_is_stable_with() {
+    let device = Device::default();
+    let with = |renderer, sine: &str, wavelength: &str| {
+        let mut settings = Settings { renderer, ..Settings::rubber() };
+        for (name, value) in [("cogging.sine_1", sine), ("cogging.wavelength", wavelength)] {
+            settings.set(name, value).expect("a parameter");
+        }
+        settings
+    };
+    // 2 N over 0.2 mm is 63 kN/m: more than a handle without a block holds beside its own spring
+    let steep = with(RendererKind::Impedance, "2", "2e-4");
+    let refused = steep.validate(&device).expect_err("unstable");
+    println!("{refused}");
+    assert_eq!((refused.effect, refused.parameter), (Some("cogging"), "wavelength"));
+    let Accepted::AtLeast(least) = refused.accepted else { panic!("a lower bound: {refused}") };
+    let room = 2.0 * core::f64::consts::TAU / f64::from(least);
+    println!("accepted from {least} m: {room:.0} N/m");
+    with(RendererKind::Impedance, "2", &least.to_string()).validate(&device).expect("the number it names");
+    with(RendererKind::Impedance, "2", &(0.99 * least).to_string())
+        .validate(&device)
+        .expect_err("just below");
+    // behind a block it is safe and unfaithful: at the rate, then against the coupling
+    for (wavelength, rate, why) in [("2e-4", 1e3, "periods"), ("1e-3", 1e3, "jumps"), ("2e-4", 1e4, "jumps")]
+    {
+        let device = Device { period: (1.0 / rate) as f32, ..device };
+        let settings = with(RendererKind::StoppingForce, "2", wavelength);
+        let warning = settings.validate(&device).expect("safe").expect("unfaithful");
+        println!("{rate} Hz: ok warn: {warning}");
+        assert!(warning.parameter == "wavelength" && warning.why.contains(why));
+    }
+    let Some(warning) = with(RendererKind::StoppingForce, "2", "1e-3").validate(&device).expect("safe")
+    else {
+        panic!("a warning")
+    };
+    let Accepted::AtLeast(least) = warning.faithful else { panic!("a lower bound") };
+    assert_eq!(with(RendererKind::StoppingForce, "2", &least.to_string()).validate(&device), Ok(None));
+}

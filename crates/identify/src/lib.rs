@@ -30,5 +30,5 @@ pub use identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
 pub use karnopp::{KarnoppOptions, identify_karnopp};
 pub use model::{Coupling, Model, Nuisances, preset_name};
 pub use model_words::MODEL_SCHEMA;
-pub use uncertain::Predicted;
 pub use preprocess::{Preprocess, Signals, prepare, signals_of};
+pub use uncertain::Predicted;

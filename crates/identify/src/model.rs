@@ -30,6 +30,8 @@ pub struct Coupling {
     pub k_vc: Option<f64>,
     /// Damping, N·s/m; the device keeps its own when absent.
     pub b_vc: Option<f64>,
+    /// `on` or `off`: the passivity controller; the device keeps its own when absent.
+    pub passivity: Option<String>,
 }
 
 /// A sliding body, as identified or diagnosed.

@@ -190,6 +190,10 @@ impl Reader<'_> {
                     Some(self.word(&entry, &["virtual_coupling", "stopping_force", "impedance"])?);
                 return Ok(());
             }
+            "passivity" => {
+                self.model.coupling.passivity = Some(self.word(&entry, &["on", "off"])?);
+                return Ok(());
+            }
             name if let Some((_, both)) = BOTH_DIRECTIONS.iter().find(|(alias, _)| *alias == name) => both,
             name => match NUMBERS.iter().position(|n| *n == name) {
                 Some(i) => &NUMBERS[i..=i],
@@ -206,7 +210,7 @@ impl Reader<'_> {
     fn effect(&mut self, entry: &Entry) -> Result<(), Complaint> {
         let Some((id, parameter)) = entry.key.split_once('.') else {
             let why = format!(
-                "no parameter `{}`: accepted are law, renderer, f_static, f_dynamic, damping, {} and EFFECT.PARAMETER",
+                "no parameter `{}`: accepted are law, renderer, passivity, f_static, f_dynamic, damping, {} and EFFECT.PARAMETER",
                 entry.key,
                 NUMBERS.join(", ")
             );

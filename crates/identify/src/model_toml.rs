@@ -90,7 +90,7 @@ impl Model {
                 }
             }
         }
-        let Coupling { renderer, k_vc, b_vc } = &self.coupling;
+        let Coupling { renderer, k_vc, b_vc, passivity } = &self.coupling;
         if let Some(k) = k_vc {
             set("k_vc", *k);
         }
@@ -100,6 +100,9 @@ impl Model {
         if let Some(renderer) = renderer {
             out.insert(1, ("renderer".into(), renderer.clone()));
         }
+        if let Some(passivity) = passivity {
+            out.push(("passivity".into(), passivity.clone()));
+        }
         out
     }
 
@@ -108,7 +111,11 @@ impl Model {
     pub fn to_toml(&self) -> String {
         let mut text = String::from("[preset] # each line is `set KEY VALUE` on the device's console\n");
         for (name, value) in self.preset_lines() {
-            let value = if matches!(name.as_str(), "law" | "renderer") { quoted(&value) } else { value };
+            let value = if matches!(name.as_str(), "law" | "renderer" | "passivity") {
+                quoted(&value)
+            } else {
+                value
+            };
             let unit = match name.split_once('.') {
                 Some((id, parameter)) => effect_unit(id, parameter, self.geometry),
                 None => unit_of(&name, self.geometry),

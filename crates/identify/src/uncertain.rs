@@ -81,7 +81,8 @@ impl Model {
                 };
                 before = step.position;
                 let turned = Motion { velocity: -step.velocity, ..step };
-                let other = self.opposing(&mut law.clone(), &mut effects.clone(), &mut curves.clone(), &turned);
+                let other =
+                    self.opposing(&mut law.clone(), &mut effects.clone(), &mut curves.clone(), &turned);
                 let own = self.opposing(&mut law, &mut effects, &mut curves, &step);
                 0.5 * (own - other).abs() + raised
             })

@@ -4,7 +4,7 @@ import { wire } from "./wire.js";
 
 const $ = (id) => document.getElementById(id);
 const LEVELS = { stable: "✓ Stable", unfaithful: "! Stable, but not faithful", refused: "✕ The device would refuse this" };
-const BASIC = ["law", "renderer", "f_static_p", "f_static_n", "f_dynamic_p", "f_dynamic_n", "damping_p", "damping_n", "dv", "mass", "k_vc", "b_vc"];
+const BASIC = ["law", "renderer", "f_static_p", "f_static_n", "f_dynamic_p", "f_dynamic_n", "damping_p", "damping_n", "dv", "mass", "k_vc", "b_vc", "passivity"];
 
 let known = null;
 let pending = new Map();

@@ -126,6 +126,7 @@ fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> S
     let choices: Vec<&'static str> = match p.name {
         "law" => haptics::LawKind::ALL.iter().map(|law| law.id()).collect(),
         "renderer" => haptics::RendererKind::ALL.iter().map(|renderer| renderer.id()).collect(),
+        "passivity" => vec!["off", "on"],
         _ => Vec::new(),
     };
     let (low, high) = if choices.is_empty() { limits(settings, device, &name) } else { (None, None) };

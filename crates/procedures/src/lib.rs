@@ -19,11 +19,11 @@
 pub mod conceal;
 pub mod diagnosed;
 mod error;
-mod prediction_errors;
 pub mod identified;
 pub mod investigate;
 pub mod library;
 pub mod predicted;
+mod prediction_errors;
 pub mod recordings;
 pub mod rendered;
 pub mod simulated;

@@ -31,6 +31,16 @@ presets![
     "rubber-2",
     "ice",
     "viscous-damping",
+    "volume-knob",
+    "selector",
+    "ratchet",
+    "washboard",
+    "corduroy",
+    "linen",
+    "wood-grain",
+    "ice-with-grit",
+    "file",
+    "ball-slide",
     "baseline",
     "real-friction",
     "simulated-friction",
@@ -132,6 +142,48 @@ mod tests {
         assert!(!warned.is_empty() && warned.iter().all(|name| name.starts_with("jnd-")), "{warned:?}");
         let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../../presets")).expect("it");
         assert_eq!(folder.count(), PRESETS.len(), "a file in presets/ is not in the program");
+    }
+
+    #[test]
+    fn textures_are_rendered_as_asked_and_smoothly() {
+        println!(
+            "{:14}{:>7} {:>18} {:>10} {:>22}",
+            "", "rate", "asked, rendered", "error rms", "largest step, asked"
+        );
+        let (mut textures, mut failed) = (0, Vec::new());
+        for preset in PRESETS {
+            let model = preset.model().expect("a model");
+            if model.effects.is_empty() {
+                continue;
+            }
+            textures += 1;
+            for rate in [1e3, 1e4] {
+                let settings = settings(&model);
+                let t = design::texture::measure(&settings, rate)
+                    .unwrap_or_else(|e| panic!("{}: {e}", preset.name));
+                println!(
+                    "{:14}{:>5.0} k {:>8.3} {:>6.3} N {:>8.1} mN {:>10.1} {:>6.1} mN",
+                    preset.name,
+                    rate / 1e3,
+                    t.asked,
+                    t.rendered,
+                    1e3 * t.error,
+                    1e3 * t.step,
+                    1e3 * t.step_asked
+                );
+                // a period late at most, and no click beyond what is asked for
+                let exact = t.error < 20.0 * t.asked / rate;
+                let whole = (t.rendered / t.asked - 1.0).abs() < 0.02;
+                let smooth = t.step < 1.15 * t.step_asked;
+                if !(exact && whole && smooth) {
+                    failed.push(format!(
+                        "{} at {rate} Hz: exact {exact}, whole {whole}, smooth {smooth}",
+                        preset.name
+                    ));
+                }
+            }
+        }
+        assert!(textures == 10 && failed.is_empty(), "{textures} textures; {failed:#?}");
     }
 
     #[test]

@@ -71,7 +71,11 @@ impl PredictionErrors {
     #[must_use]
     pub fn words(&self, file: &str, unit: &str) -> String {
         let of_force = |(error, force): (f64, f64)| {
-            let share = if force > 0.0 { format!(", {:.2} % of the force", 100.0 * error / force) } else { String::new() };
+            let share = if force > 0.0 {
+                format!(", {:.2} % of the force", 100.0 * error / force)
+            } else {
+                String::new()
+            };
             format!("{} {unit} rms{share}", number(error, 4))
         };
         let mut out = format!("{file}: {} samples\n", self.samples);
@@ -100,7 +104,11 @@ impl PredictionErrors {
             out,
             "  all samples, unfiltered: {}{}",
             of_force(self.all),
-            if share < 99.5 { "; at rest friction is whatever balances, see the column of the standard deviation" } else { "" }
+            if share < 99.5 {
+                "; at rest friction is whatever balances, see the column of the standard deviation"
+            } else {
+                ""
+            }
         );
         out
     }

@@ -177,7 +177,9 @@ impl DesignMatrix {
                 }
                 _ => memory = fresh(),
             }
-            out.push((0..track.len()).map(|i| step(&mut memory, &motion(track, i), other_way(track, i))).collect());
+            out.push(
+                (0..track.len()).map(|i| step(&mut memory, &motion(track, i), other_way(track, i))).collect(),
+            );
             previous = Some(track);
         }
         out

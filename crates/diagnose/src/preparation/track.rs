@@ -7,12 +7,11 @@
 //!
 //! Both sides of the equation pass the same filter ([`Track::pass`]), so what it blurs cancels.
 
-use std::f64::consts::PI;
 use signals::{
-    central_difference, differentiated,
-    Channels, LowPass, Noise, derived_noise, 
-    direction, noise_std, quantile, spread,
+    Channels, LowPass, Noise, central_difference, derived_noise, differentiated, direction, noise_std,
+    quantile, spread,
 };
+use std::f64::consts::PI;
 
 /// Cut-off of the filter behind which derivatives are taken, in cut-offs.
 const SHARPER: f64 = 3.0;
@@ -235,7 +234,8 @@ impl Track {
         for i in 0..self.mask.len() {
             let direction = friction * self.unknown[i];
             let jerk = (mass * self.a_std[i] - usual).max(0.0);
-            self.mask[i] = 1.0 / (1.0 + (direction / (TOLERATED * floor)).powi(2) + (jerk / (3.0 * floor)).powi(2));
+            self.mask[i] =
+                1.0 / (1.0 + (direction / (TOLERATED * floor)).powi(2) + (jerk / (3.0 * floor)).powi(2));
         }
         let n = self.mask.len();
         for i in 0..self.filter.settle().min(n / 4) {

@@ -203,3 +203,25 @@ fn infinite_derivatives_become_zero() {
         assert!(!x.eps.is_nan(), "{x:?}");
     }
 }
+
+#[test]
+fn nearest_force_on_an_ellipse_has_exact_derivatives() {
+    use friction::planar::{Grain, Vector};
+    let at = |x: f64, across: f64| Grain::at(0.4, across).nearest(Vector { x, y: 2.0 }, 1.5);
+    let (x, across, h) = (3.0, 1.7, 1e-6);
+    let seeded = |dx: f64, da: f64| {
+        let grain = Grain::at(Dual64::lit(0.4), Dual64::new(across, da));
+        grain.nearest(Vector { x: Dual64::new(x, dx), y: Dual64::lit(2.0) }, Dual64::lit(1.5))
+    };
+    let by_force = (at(x + h, across) - at(x - h, across)) * (0.5 / h);
+    let by_ratio = (at(x, across + h) - at(x, across - h)) * (0.5 / h);
+    for (dual, difference) in [(seeded(1.0, 0.0), by_force), (seeded(0.0, 1.0), by_ratio)] {
+        println!("{} and {}, differences {difference:?}", dual.x.eps, dual.y.eps);
+        assert!((dual.x.eps - difference.x).abs() < 1e-8 && (dual.y.eps - difference.y).abs() < 1e-8);
+    }
+    // a disc whose ratio is asked for is an ellipse
+    let disc = Grain { across: Dual64::new(1.0, 1.0), ..Grain::at(Dual64::lit(0.4), Dual64::lit(1.0)) };
+    let force = disc.nearest(Vector { x: Dual64::lit(3.0), y: Dual64::lit(2.0) }, Dual64::lit(1.5));
+    let difference = (at(3.0, 1.0 + h) - at(3.0, 1.0 - h)) * (0.5 / h);
+    assert!((force.x.eps - difference.x).abs() < 1e-8 && (force.y.eps - difference.y).abs() < 1e-8);
+}

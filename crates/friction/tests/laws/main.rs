@@ -7,6 +7,7 @@ mod dual;
 mod energy;
 mod hold;
 mod hysteresis;
+mod planar;
 mod precision;
 mod robust;
 mod sliding;

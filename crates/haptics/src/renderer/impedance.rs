@@ -24,7 +24,7 @@ pub struct Impedance {
     grip: Grip,
     /// Force on the handle in the previous step, N: the one variable of [thesis, table 4-1].
     friction: f32,
-    law: LawState<f32>,
+    pub(super) law: LawState<f32>,
     law_kind: Discriminant<Law<f32>>,
     effects: [EffectState<f32>; MAX_EFFECTS],
     kinds: [Option<EffectKind>; MAX_EFFECTS],
@@ -57,6 +57,16 @@ impl Impedance {
             law_kind: discriminant(&config.law),
             effects: [EffectState::default(); MAX_EFFECTS],
             kinds: config.kinds,
+        }
+    }
+
+    /// Force of the spring of a stuck or dragged contact, N. 0 for a law with bristles.
+    pub(super) fn spring(&self, config: &Config, handle: &Handle) -> f32 {
+        match (self.grip, config.law) {
+            (_, Law::Dahl(_) | Law::LuGre(_)) | (Grip::Sliding, Law::Karnopp(_)) => 0.0,
+            (Grip::Stuck { entered, preload }, _) => preload - config.stiffness * (handle.position - entered),
+            // dragged along at its level
+            (Grip::Sliding, Law::Coulomb(_)) => self.friction,
         }
     }
 

@@ -12,6 +12,7 @@ pub use block::Block;
 pub use impedance::Impedance;
 
 use crate::{Config, RendererKind};
+use friction::{Law, LawState};
 
 /// Measured motion of the handle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -76,6 +77,22 @@ impl Contact {
             (Self::Block(block), renderer) => block.fits(config, renderer),
             _ => false,
         }
+    }
+
+    /// Energy in spring, block and bristles that the handle may get back, J.
+    pub(crate) fn stored(&self, config: &Config, handle: &Handle) -> f32 {
+        let (spring, velocity, law) = match self {
+            Self::Impedance(contact) => (contact.spring(config, handle), 0.0, &contact.law),
+            Self::Block(block) => {
+                (config.stiffness * (handle.position - block.position), block.velocity, &block.law)
+            }
+        };
+        let bristles = match (&config.law, law) {
+            (Law::Dahl(law), LawState::Dahl(state)) => state.z * state.z / law.sigma,
+            (Law::LuGre(law), LawState::LuGre(state)) => law.sigma_0 * state.z * state.z,
+            _ => 0.0,
+        };
+        spring * spring * config.half_compliance + 0.5 * (config.mass * velocity * velocity + bristles)
     }
 
     /// One period: the force for the motion of the handle.

@@ -5,7 +5,7 @@ mod effects;
 mod parameters;
 mod validate;
 
-pub use effects::effect_cycles;
+pub use effects::{PASSIVITY_CYCLES, effect_cycles};
 pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, Value};
 
 use friction::effects::Effect;
@@ -127,6 +127,9 @@ pub struct Settings {
     pub stribeck_velocity: f32,
     /// Effects added to the law.
     pub effects: [Option<Effect<f32>>; MAX_EFFECTS],
+    /// Whether energy that nothing stored is taken back before it leaves (passivity observer and controller).
+    #[serde(default)]
+    pub passivity: bool,
 }
 
 impl Default for Settings {

@@ -109,6 +109,7 @@ macro_rules! table {
             Parameter { name: "law", dimension: None, what: "friction law: karnopp, dahl, coulomb or lugre" },
             Parameter { name: "renderer", dimension: None, what: "friction on a block: virtual_coupling or stopping_force; on the handle: impedance" },
             $(Parameter::number($name, Dimension::$dimension, $what),)*
+            Parameter { name: "passivity", dimension: None, what: "on: energy given to the hand that nothing stored is taken back; off" },
         ];
 
         fn place(name: &str) -> Option<Place> {
@@ -135,6 +136,10 @@ table! {
     "sigma_1", DAMPING, sigma_1, "bristle damping (lugre)";
     "stribeck_velocity", VELOCITY, stribeck_velocity, "speed at which static friction falls to dynamic (lugre)";
 }
+
+/// The words of a switch.
+const ON: &str = "on";
+const OFF: &str = "off";
 
 /// Aliases for both directions.
 pub const ALIASES: &[Parameter] = &[
@@ -164,6 +169,7 @@ impl Settings {
         match name {
             "law" => Some(Value::Word(self.law.id())),
             "renderer" => Some(Value::Word(self.renderer.id())),
+            "passivity" => Some(Value::Word(if self.passivity { ON } else { OFF })),
             _ => {
                 if let Some((p, n)) = directions(name) {
                     let (p, n) = (*place(p)?(&mut copy), *place(n)?(&mut copy));
@@ -193,6 +199,13 @@ impl Settings {
             "renderer" => {
                 let words = SetWhy::NotOneOf("virtual_coupling, stopping_force, impedance");
                 self.renderer = RendererKind::from_id(value).ok_or(fail(words))?;
+            }
+            "passivity" => {
+                self.passivity = match value {
+                    ON => true,
+                    OFF => false,
+                    _ => return Err(fail(SetWhy::NotOneOf("on, off"))),
+                };
             }
             _ => {
                 let (p, n) = directions(name).unwrap_or((name_of(name), ""));

@@ -1,10 +1,10 @@
 //! Validation with physics: an unsafe value is refused with the number that would be accepted, an unfaithful one is accepted
 //! with a warning.
 
-use super::{LawKind, RendererKind, Settings, effect_cycles};
+use super::{LawKind, PASSIVITY_CYCLES, RendererKind, Settings, effect_cycles};
 use crate::{Accepted, Device, Refused, Warning, bounds, number};
-use friction::Dimension;
-use friction::effects::EffectKind;
+use friction::effects::{Effect, EffectKind, EffectState, Scale};
+use friction::{Dimension, Motion};
 
 /// Largest mass of a virtual block, kg.
 const HEAVIEST: f32 = 100.0;
@@ -16,6 +16,13 @@ const HEAVIER: f32 = 1.001;
 const SLOWEST: f32 = 1e-6;
 /// Usable share of a bound on damping. A period of delay halves the stable damping of the sampled device.
 const DAMPING_SHARE: f32 = 0.5;
+
+/// Speed of a hand that feels a pattern, m/s.
+const HAND_SPEED: f32 = 0.1;
+/// Periods in which it crosses a wave at least.
+const SAMPLES: f32 = 8.0;
+/// Places of a wave at which its slope is taken.
+const PLACES: u32 = 64;
 
 /// Tolerance that keeps a bound at a round number in spite of rounding.
 const ROUNDING: f32 = 1e-6;
@@ -47,6 +54,20 @@ fn within(
     } else {
         refuse(parameter, value, Accepted::Between(low, high), why)
     }
+}
+
+/// Wavelength, m, and steepest slope, N/m, of an effect that repeats over a distance.
+fn pattern(effect: &Effect<f32>) -> Option<(f32, f32)> {
+    let at = effect.kind.shape().iter().position(|p| p.scale == Scale::Wavelength)?;
+    let wavelength = *effect.shape.get(at)?;
+    let force = |place: u32| {
+        let position = wavelength * (place as f32 / PLACES as f32);
+        // moving: friction has a pattern only there
+        let motion = Motion { position, velocity: HAND_SPEED, ..Motion::default() };
+        effect.step(&mut EffectState::default(), &motion)
+    };
+    let steepest = (0..PLACES).fold(0.0_f32, |most, place| most.max((force(place + 1) - force(place)).abs()));
+    Some((wavelength, steepest * PLACES as f32 / wavelength))
 }
 
 impl Settings {
@@ -259,8 +280,11 @@ impl Settings {
                 why: "outside its range",
             })?;
             self.check_stiffness(effect.kind, &effect.gains, device).map_err(named)?;
+            self.check_slope(effect, device).map_err(named)?;
         }
-        let cycles: u32 = self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum();
+        let observer = if self.passivity { PASSIVITY_CYCLES } else { 0 };
+        let cycles =
+            observer + self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum::<u32>();
         if cycles > device.effect_cycles {
             return Err(Refused {
                 effect: None,
@@ -278,15 +302,10 @@ impl Settings {
     const CUBIC: Dimension = Self::CURVE.per(Dimension::LENGTH);
     const DRAG: Dimension = Dimension::DAMPING.per(Dimension::VELOCITY);
 
-    /// Checks the gains of effects: as a force, spring or damper none may exceed the stability bounds of the contact.
-    fn check_stiffness(
-        &self,
-        kind: EffectKind,
-        gains: &[f32; friction::effects::MAX_GAINS],
-        device: &Device,
-    ) -> Result<(), Refused> {
+    /// Largest stiffness and damping that effects may add to the contact, N/m and N·s/m.
+    fn room_for_effects(&self, device: &Device) -> (f32, f32) {
         let period = device.period;
-        let (stiffest, most_damping) = match self.renderer {
+        match self.renderer {
             RendererKind::Impedance => {
                 let (mass, damping) = (device.mass, device.damping);
                 let most = DAMPING_SHARE * bounds::damping_max(mass, damping, period);
@@ -297,7 +316,29 @@ impl Settings {
                 let left = bounds::stiffness_singular(mass, self.b_vc, period) - self.k_vc;
                 (left, bounds::damping_singular(mass, self.k_vc, period) - self.b_vc)
             }
-        };
+        }
+    }
+
+    /// Checks the slope of a pattern over the position: it is a stiffness of the contact.
+    fn check_slope(&self, effect: &Effect<f32>, device: &Device) -> Result<(), Refused> {
+        let Some((wavelength, slope)) = pattern(effect) else { return Ok(()) };
+        let (stiffest, _) = self.room_for_effects(device);
+        if slope <= stiffest {
+            return Ok(());
+        }
+        let accepted = Accepted::AtLeast(at_least(wavelength * slope / stiffest));
+        let why = "m; below, the pattern is stiffer than device and block are stable with";
+        refuse("wavelength", wavelength, accepted, why)
+    }
+
+    /// Checks the gains of effects: as a force, spring or damper none may exceed the stability bounds of the contact.
+    fn check_stiffness(
+        &self,
+        kind: EffectKind,
+        gains: &[f32; friction::effects::MAX_GAINS],
+        device: &Device,
+    ) -> Result<(), Refused> {
+        let (stiffest, most_damping) = self.room_for_effects(device);
         let reach = device.stroke / 2.0;
         for (gain, parameter) in gains.iter().zip(kind.gains()) {
             // largest stiffness or damping of the gain
@@ -323,8 +364,33 @@ impl Settings {
         Ok(())
     }
 
-    /// Warns of a Δv below the zero-crossing limit cycle: the block chatters instead of stopping [thesis, eq. 4.21 and 4.35].
+    /// Warns of what is safe and not what was asked for.
     fn unfaithful(&self, device: &Device) -> Option<Warning> {
+        self.chatters(device).or_else(|| self.effects.iter().flatten().find_map(|e| self.coarse(e, device)))
+    }
+
+    /// Warns of a pattern that is steeper than the coupling, or that a hand crosses in too few periods.
+    fn coarse(&self, effect: &Effect<f32>, device: &Device) -> Option<Warning> {
+        let (wavelength, slope) = pattern(effect)?;
+        let warn = |shortest: f32, why| {
+            let faithful = Accepted::AtLeast(at_least(shortest));
+            (wavelength < shortest).then_some(Warning {
+                parameter: "wavelength",
+                value: wavelength,
+                faithful,
+                why,
+            })
+        };
+        let steep = wavelength * slope / self.k_vc;
+        let sampled = SAMPLES * HAND_SPEED * device.period;
+        warn(sampled, "m; below, a hand at 0.1 m/s crosses a wave in fewer than 8 periods").or_else(|| {
+            let why = "m; below, the pattern is steeper than the coupling, and the handle jumps over it";
+            if self.renderer.has_block() { warn(steep, why) } else { None }
+        })
+    }
+
+    /// Warns of a Δv below the zero-crossing limit cycle: the block chatters instead of stopping [thesis, eq. 4.21 and 4.35].
+    fn chatters(&self, device: &Device) -> Option<Warning> {
         if self.law != LawKind::Karnopp {
             return None;
         }

@@ -122,6 +122,7 @@ fn a_file_gives_back_an_equal_model() {
                 ],
             },
             coupling: Coupling {
+                passivity: Some("on".into()),
                 renderer: Some("virtual_coupling".into()),
                 k_vc: Some(8e3),
                 b_vc: Some(15.0),
@@ -156,7 +157,7 @@ fn a_model_is_a_preset_the_device_takes() {
         let mut text = String::new();
         for p in Settings::PARAMETERS {
             let value = make().get(p.name).unwrap().to_string();
-            let word = matches!(p.name, "law" | "renderer");
+            let word = matches!(p.name, "law" | "renderer" | "passivity");
             text += &if word {
                 format!("{} = \"{value}\"\n", p.name)
             } else {

@@ -4,8 +4,10 @@ use super::name::{MAX_SAVED, ShortName, long, short};
 use haptics::Settings;
 use serde::{Deserialize, Serialize};
 
-/// Format of the items. Items of another format are not read.
-const FORMAT: u8 = 1;
+/// Format of the items. 2 has `passivity` behind what 1 has. Items of a later format are not read.
+const FORMAT: u8 = 2;
+/// Formats that are read. What an earlier one lacks stands at the end of the item, and is off where it is zero.
+const READ: core::ops::RangeInclusive<u8> = 1..=FORMAT;
 /// Longest item, bytes.
 pub const MAX_ITEM: usize = 256;
 /// Key of the item that names the default. Presets have the smaller keys.
@@ -46,7 +48,13 @@ impl Item {
 
     /// Decodes an item. `None` for another format or invalid bytes.
     pub(super) fn decode(bytes: &[u8]) -> Option<Self> {
-        let (&FORMAT, content) = bytes.split_first()? else { return None };
+        let (format, content) = bytes.split_first()?;
+        let mut padded = [0; MAX_ITEM];
+        padded.get_mut(..content.len())?.copy_from_slice(content);
+        let content = if *format == FORMAT { content } else { padded.get(..=content.len())? };
+        if !READ.contains(format) {
+            return None;
+        }
         Some(match postcard::from_bytes(content).ok()? {
             Written::Empty => Self::Empty,
             Written::Saved(name, settings) => Self::Saved(short(name)?, settings),

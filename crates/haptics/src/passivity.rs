@@ -1,0 +1,55 @@
+//! Passivity observer and controller in the time domain [hannaford-2002], for every renderer.
+//!
+//! The port is the handle: the force held over a period times the path of the encoder in it is the energy given to the hand,
+//! exactly, whatever the renderer does ([stramigioli-2005] for the observer with a held force).
+//!
+//! The *balance* is what the hand gave and may get back. It never exceeds what coupling and block store (the reference
+//! energy of [ryu-2005]): without that limit a second of sliding would pay for an hour of chatter, because friction takes
+//! energy for ever. A negative balance is energy that nothing stored. Before it leaves with the next force it is taken back
+//! by a damping of just that amount on the handle, within the damping that the sampled device holds.
+
+use crate::Config;
+use crate::renderer::{Contact, Handle};
+
+/// Share of m/T that the controller may damp with: as the brake of a handle at rest, it halves the speed of a free handle in
+/// one period.
+const DAMPING_SHARE: f32 = 0.5;
+
+/// State of the observer.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Passivity {
+    /// Energy that the hand may get back, J. Negative: it got more.
+    balance: f32,
+}
+
+/// Largest damping of the controller on this device, N·s/m.
+pub(crate) fn damping_most(mass: f32, period: f32) -> f32 {
+    DAMPING_SHARE * mass / period
+}
+
+impl Passivity {
+    /// The force to command instead of `force`, N. `held` is the force of the period that ended.
+    // a function of its own: without it the step has the cycles it had before
+    #[inline(never)]
+    pub(crate) fn step(
+        &mut self,
+        config: &Config,
+        contact: &Contact,
+        handle: &Handle,
+        held: f32,
+        force: f32,
+    ) -> f32 {
+        let balance = self.balance - held * handle.displacement;
+        let stored = contact.stored(config, handle);
+        self.balance = if balance < stored { balance } else { stored };
+        let v = handle.velocity;
+        // what a damping of one would take over the coming period
+        let taken = v * v * config.device.period;
+        if self.balance >= 0.0 || handle.displacement == 0.0 || !(taken > 0.0) {
+            return force;
+        }
+        let (owed, most) = (-self.balance, config.passivity_damping);
+        let damping = if owed < most * taken { owed / taken } else { most };
+        force - damping * v
+    }
+}
