@@ -1,11 +1,10 @@
 //! One gap-free stretch of a recording, filtered once and ready for regressors.
 //!
-//! Nothing is set aside for lack of a direction. Friction's physics happens at reversals, so the motion is estimated
-//! ([`signals::estimate_motion`]), the direction is its posterior mean, and what that leaves unknown is variance of the
-//! row ([`Track::weigh`]). A stuck body's friction is whatever balances the applied force: its direction stays unknown for
-//! long, and its rows weigh next to nothing.
-//!
-//! Both sides of the equation pass the same filter ([`Track::pass`]), so what it blurs cancels.
+//! Friction's physics happens at reversals, so as little as possible is left out there. The motion is estimated
+//! ([`signals::estimate_motion`]), the direction is its posterior mean, and each sample weighs what is known of it
+//! ([`Track::weigh`]) *before* the filter's average is formed, on both sides of the equation alike ([`Track::pass`]). A stuck
+//! body's friction is whatever balances the applied force: such samples would be a mismatch for every law and information for
+//! none, and left out behind the filter they would have leaked into their neighbours already.
 
 use signals::{
     Channels, LowPass, Noise, central_difference, derived_noise, differentiated, direction, noise_std,
@@ -72,7 +71,7 @@ pub struct Track {
     pub direction: Vec<f64>,
     /// What is not known of the direction: 1 − E[sgn v]², 1 in the static branch.
     pub unknown: Vec<f64>,
-    /// Weight of a sample behind the filter, from 0, where the body may be stuck or the filter has not settled, to 1.
+    /// Weight of a sample, from 0, where the body may be stuck or the filter has not settled, to 1.
     pub mask: Vec<f64>,
     /// The force as the baseline predicts it: what stands for "the applied force" inside a regressor, because
     /// the measured force's own noise there would correlate with itself.
@@ -206,9 +205,9 @@ impl Track {
         }
         let n = self.v.len();
         let fast = self.fast();
-        for i in 0..n {
+        for (i, v_std) in v_std.iter().enumerate() {
             let (before, here, after) = (self.v[i.saturating_sub(1)], self.v[i], self.v[(i + 1).min(n - 1)]);
-            let least = v_std[i].hypot(SLOW * fast);
+            let least = v_std.hypot(SLOW * fast);
             let std = least.hypot(MISTIMED * 0.5 * (after - before));
             let (mut mean, mut square) = (0.0, 0.0);
             for part in PARTS_OF_SAMPLE {
