@@ -180,7 +180,7 @@ fn search<'a>(
         catalogue,
         scales,
         floor: floor.rms * floor.rms * rows,
-        systematic: systematic(design, baseline.fit.coefficients[0], cutoff, floor).powi(2) * rows,
+        systematic: systematic(design, baseline.fit.coefficients[0], cutoff, floor.rms).powi(2) * rows,
         max_terms: options.max_terms,
         width: options.beam_width,
         seed: options.seed,

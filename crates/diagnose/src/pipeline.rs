@@ -44,8 +44,25 @@ use std::ops::ControlFlow;
 /// Most regions of what was fitted that are told.
 const MOST_REGIONS: usize = 12;
 
+/// Share of the time that may be set aside around reversals; where it is more, they are kept.
+const MOST_REVERSALS: f64 = 0.6;
+
+/// The same where nothing else is left.
+const FEW_REVERSALS: f64 = 0.2;
+
 /// Cycles of the cut-off in a recording that leave enough rows to be fitted and held out.
 const FEWEST_CYCLES: f64 = 50.0;
+
+/// Share of the time around reversals, as far as the filter at `cutoff` Hz smears each.
+fn reversals(stretches: &[Channels], cutoff: f64) -> f64 {
+    let count = |c: &Channels| {
+        Track::new(c.clone(), cutoff, Reversals::default()).sign.windows(2).filter(|w| w[0] != w[1]).count()
+            as f64
+    };
+    let seconds: f64 = stretches.iter().map(|c| c.position.len() as f64 * c.dt).sum();
+    let long = stretches.iter().filter(|c| c.position.len() >= 16);
+    long.map(count).sum::<f64>() / (cutoff * seconds.max(1e-300))
+}
 
 /// Locates what a simulation leaves out of a recording, names it, and confirms it on data not used.
 ///
@@ -101,6 +118,15 @@ pub fn diagnose_watched(
         intake.static_branch(static_branch::delta_v(&first.tracks));
         intake.take_out(&drift::find(&first, train.len()));
     }
+    // noise about a place reverses, too
+    let still = intake.faults.iter().any(|f| f.kind == FaultKind::TooLittleMotion);
+    let around = if still { 0.0 } else { reversals(&intake.stretches, cutoff) };
+    let short = around > FEW_REVERSALS
+        && DesignMatrix::new(&intake.stretches, cutoff, intake.reversals, false).is_none();
+    if around > MOST_REVERSALS || short {
+        intake.keep_reversals();
+        cutoff = options.cutoff_hz.unwrap_or(rate / 8.0);
+    }
     let mut origins = Vec::new();
     if options.per_recording.contains(&Nuisance::Origin)
         && let Some(mut first) = with_delay(&intake.stretches, cutoff, intake.reversals)
@@ -127,6 +153,7 @@ pub fn diagnose_watched(
             j.take_out(&drift::find(&first, validate.len()));
         }
         j.static_branch(intake.delta_v);
+        j.reversals.kept = intake.reversals.kept;
         j
     });
     let mut named = naming::name(&intake, regression, cutoff, options, watch)?;

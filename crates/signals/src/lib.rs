@@ -50,7 +50,7 @@ pub use prepare::{
     WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated, prepare,
 };
 pub use recording::{Geometry, ReadOptions, Recording};
-pub use smoother::{Motion, Observation, Observed, direction, estimate_motion, estimate_motion_like};
+pub use smoother::{Motion, Observation, Observed, direction, estimate_motion};
 pub use sources::{Source, Sources};
 pub use statistics::{quantile, rms, spread};
 pub use stretches::{SHORTEST, Stretch, closed, rms_frequency};

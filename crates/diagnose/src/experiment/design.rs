@@ -136,7 +136,11 @@ impl Designer<'_> {
         }
         // where the real sensors do not know the direction, these shall not, either
         let guard = self.search.design.tracks.iter().map(|t| 3.0 * t.noise.velocity).fold(0.0, f64::max);
-        let reversals = Reversals { static_band: first.reversals.static_band.max(guard), one_way: None };
+        let reversals = Reversals {
+            static_band: first.reversals.static_band.max(guard),
+            one_way: None,
+            ..first.reversals
+        };
         let channels = Channels {
             dt,
             position: travel.position,

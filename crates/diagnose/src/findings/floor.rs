@@ -75,8 +75,8 @@ pub const REGULAR: f64 = 0.3;
 
 /// Force, rms, below which nothing is named although a long recording resolves it: there sit the sensors' own regular
 /// errors. The moment of a sample and the like are taken for a share of the floor; quantisation repeats with a motion
-/// that repeats, and then all of it looks like physics. On any other motion it is noise, and in the floor.
-pub fn systematic(design: &DesignMatrix, mass: f64, cutoff: f64, floor: &Floor) -> f64 {
+/// that repeats, and then all of it looks like physics.
+pub fn systematic(design: &DesignMatrix, mass: f64, cutoff: f64, floor: f64) -> f64 {
     let rounding = |series: &[f64]| quantum(series) / 12f64.sqrt();
     let of = |track: &Track| {
         let dt = track.raw.dt;
@@ -86,8 +86,7 @@ pub fn systematic(design: &DesignMatrix, mass: f64, cutoff: f64, floor: &Floor) 
         let force = rounding(&track.raw.force) * differentiated(0, cutoff, dt);
         (mass * acceleration).hypot(force)
     };
-    let regular = REGULAR * floor.rms;
-    design.tracks.iter().filter(|t| period(t).is_some()).map(of).fold(regular, f64::max)
+    design.tracks.iter().map(of).fold(REGULAR * floor, f64::max)
 }
 
 /// Half the mean square of what differs between one period and the next, over rows in use in both.
@@ -105,7 +104,7 @@ fn pure_error(track: &Track, residual: &[f64], period: f64) -> (f64, f64) {
         let mut used = true;
         for i in rows {
             let (a, b) = (i + whole, i + whole + 1);
-            used &= [i, a, b].iter().all(|i| track.mask[*i] > 0.7);
+            used &= track.mask[i] == 1.0 && track.mask[a] == 1.0 && track.mask[b] == 1.0;
             difference += residual[i] - (residual[a] * (1.0 - share) + residual[b] * share);
         }
         if used {

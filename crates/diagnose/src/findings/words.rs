@@ -46,11 +46,11 @@ impl ForceError {
 
 /// Part of the recording of which the verdict speaks, where that is not nearly all of it.
 fn judged(d: &Diagnosis) -> String {
-    let at_rest = 100.0 * (1.0 - d.judged_share);
-    if at_rest < 2.0 {
+    let share = 100.0 * d.judged_share;
+    if share > 95.0 {
         return String::new();
     }
-    format!(" while it slides, {:.0} % of the samples", 100.0 - at_rest)
+    format!(" in the {share:.0} % of its samples at which the body surely slides")
 }
 
 /// One sentence: what is missing, or that nothing is, and how sure that is.

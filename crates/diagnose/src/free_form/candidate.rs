@@ -106,7 +106,7 @@ impl Candidate {
         if let Some(across) = self.across {
             probe = probe.map(across, placeholder, &[0.0; 4]).ok()?;
         }
-        let values = design.walk(FreeFormState::default, |state, motion, _| probe.coordinates(state, motion));
+        let values = design.walk(FreeFormState::default, |state, motion| probe.coordinates(state, motion));
         let every = (values.iter().map(Vec::len).sum::<usize>() / SAMPLES).max(1);
         let masks = design.tracks.iter().flat_map(|t| &t.mask);
         let used: Vec<(f64, Option<f64>)> = values

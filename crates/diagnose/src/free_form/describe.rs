@@ -180,7 +180,9 @@ fn next(
         let p = best.iter().find(|(c, _)| *c == chosen.candidate).map_or(1.0, |(_, p)| *p);
         let after = heldout(&chosen);
         let interval = search.gains(&so_far.fit, &chosen.fit);
-        let clear = p <= LEVEL && interval[0] > 0.0 && before - after >= material;
+        // a form that turns a named effect round takes its place, and is no form beside it
+        let beside = Hypothesis { fit: chosen.fit.clone(), ..found.clone() };
+        let clear = p <= LEVEL && interval[0] > 0.0 && before - after >= material && search.physical(&beside);
         let holds = || {
             (chosen.term.is_of_time() || lasts(search, &basis, &chosen, regimes))
                 && crossing::holds(design, &chosen.candidate, &basis, &chosen.term.columns)

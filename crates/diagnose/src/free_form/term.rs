@@ -1,6 +1,6 @@
 //! A free form as columns of the regression.
 
-use crate::library::design_matrix::{DesignMatrix, turned};
+use crate::library::design_matrix::DesignMatrix;
 use friction::{FreeForm, FreeFormState};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -31,12 +31,9 @@ pub struct FreeTerm {
 impl DesignMatrix {
     /// Columns of a free form, one for each of its values.
     pub fn free_columns(&self, form: &FreeForm<f64>) -> Vec<Vec<f64>> {
-        let weights = self.walk(FreeFormState::default, |state, motion, other| {
+        let weights = self.walk(FreeFormState::default, |state, motion| {
             let mut all = Vec::new();
-            if other > 0.0 {
-                form.weights(&mut state.clone(), &turned(motion), |i, w| all.push((i, other * w)));
-            }
-            form.weights(state, motion, |i, w| all.push((i, (1.0 - other) * w)));
+            form.weights(state, motion, |i, w| all.push((i, w)));
             all
         });
         let column = |k: usize| {

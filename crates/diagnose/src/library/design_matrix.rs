@@ -6,14 +6,13 @@ use crate::library::baseline::{BACKWARD, BASELINE, FORWARD, Physics};
 use crate::library::series;
 use crate::library::term::{Term, TermKind};
 use crate::preparation::track::{Reversals, Track};
-use crate::regression::linear::{Blocks, fit, solve};
+use crate::regression::linear::{Blocks, fit};
 use friction::Motion;
 use friction::effects::{EffectKind, MAX_GAINS, MAX_MEMORY, MAX_SHAPE, SeriesKind};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use signals::{Channels, central_difference, noise_std};
-use std::sync::OnceLock;
 
 /// Sums of the columns that share a gain.
 pub fn gather(all: &[Vec<f64>], groups: &[&[usize]]) -> Vec<Vec<f64>> {
@@ -78,10 +77,10 @@ impl DesignMatrix {
         self.share.iter().filter(|s| **s > 0.5).count()
     }
 
-    /// Share of the samples at which the direction of sliding is known.
+    /// Share of the samples that are used.
     pub fn judged_share(&self) -> f64 {
-        let judged = self.tracks.iter().flat_map(|t| &t.unknown).filter(|u| **u < 1.0 - SURE).count();
-        judged as f64 / self.tracks.iter().map(Track::len).sum::<usize>().max(1) as f64
+        let judged: f64 = self.tracks.iter().flat_map(|t| &t.mask).sum();
+        judged / self.tracks.iter().map(Track::len).sum::<usize>().max(1) as f64
     }
 
     /// Effective number of rows in each block.
@@ -137,29 +136,21 @@ impl DesignMatrix {
         kind: EffectKind,
         shape: &[f64; MAX_SHAPE],
     ) -> Vec<Vec<[f64; L]>> {
-        let unit = |memory: &mut [f64; MAX_MEMORY], motion: &Motion<f64>| -> [f64; L] {
-            let unit = kind.unit(shape, memory, motion);
-            std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
-        };
         self.walk(
             || [0.0; MAX_MEMORY],
-            |memory, motion, other| {
-                if other <= 0.0 {
-                    return unit(memory, motion);
-                }
-                let turned = unit(&mut memory.clone(), &turned(motion));
-                let own = unit(memory, motion);
-                std::array::from_fn(|l| own[l] + other * (turned[l] - own[l]))
+            |memory, motion| {
+                let unit = kind.unit(shape, memory, motion);
+                std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
             },
         )
     }
 
-    /// What `step` makes of the motion at every sample of every track, given the probability that the body goes the other
-    /// way. The memory, `fresh` for each recording, runs through the gaps of a recording.
+    /// What `step` makes of the motion at every sample of every track. The memory, `fresh` for each recording, runs through
+    /// the gaps of a recording.
     pub(crate) fn walk<M, T>(
         &self,
         fresh: impl Fn() -> M,
-        mut step: impl FnMut(&mut M, &Motion<f64>, f64) -> T,
+        mut step: impl FnMut(&mut M, &Motion<f64>) -> T,
     ) -> Vec<Vec<T>> {
         let mut memory = fresh();
         let mut previous: Option<&Track> = None;
@@ -172,14 +163,12 @@ impl DesignMatrix {
                     if gap > 0.0 {
                         let motion =
                             Motion { dt: gap, displacement: jump, velocity: jump / gap, ..motion(track, 0) };
-                        step(&mut memory, &motion, 0.0);
+                        step(&mut memory, &motion);
                     }
                 }
                 _ => memory = fresh(),
             }
-            out.push(
-                (0..track.len()).map(|i| step(&mut memory, &motion(track, i), other_way(track, i))).collect(),
-            );
+            out.push((0..track.len()).map(|i| step(&mut memory, &motion(track, i))).collect());
             previous = Some(track);
         }
         out
@@ -200,20 +189,6 @@ fn motion(track: &Track, i: usize) -> Motion<f64> {
         normal: track.normal.as_ref().map(|n| n[i]),
     }
 }
-
-/// The same motion with the direction of sliding turned round.
-pub(crate) fn turned(motion: &Motion<f64>) -> Motion<f64> {
-    Motion { velocity: -motion.velocity, ..*motion }
-}
-
-/// Probability that the body does not slide the way of its sign at sample `i`; 0 where it matters to no row.
-fn other_way(track: &Track, i: usize) -> f64 {
-    let other = 0.5 * (1.0 - track.sign[i] * track.direction[i]);
-    if other > UNLIKELY && track.mask[i] > UNLIKELY { other } else { 0.0 }
-}
-
-/// Probability, and weight of a sample, that are not looked at.
-const UNLIKELY: f64 = 1e-3;
 
 /// Share of the samples in use below which those that go the other way are strays, a few where the body gets going or
 /// comes to rest.
@@ -247,22 +222,6 @@ fn directions(tracks: &mut [Track]) -> Vec<usize> {
 /// Fewest rows that can be split into blocks, fitted and held out.
 pub const FEWEST_ROWS: usize = 60;
 
-/// Mass and Coulomb friction from a first regression over the samples of a known direction.
-fn rough(tracks: &[Track]) -> (f64, f64) {
-    let known = |t: &Track, i: &usize| t.direction[*i].abs() > SURE && t.unknown[*i] < 1.0 - SURE;
-    let column = |of: &dyn Fn(&Track, usize) -> f64| -> Vec<f64> {
-        let each = |t: &Track| (0..t.len()).filter(|i| known(t, i)).map(|i| of(t, i)).collect::<Vec<_>>();
-        tracks.iter().flat_map(each).collect()
-    };
-    let columns =
-        [column(&|t, i| t.a[i]), column(&|t, i| t.direction[i]), column(&|t, i| t.v[i]), column(&|_, _| 1.0)];
-    let found = solve(&columns, &column(&|t, i| t.raw.force[i]));
-    found.map_or((0.0, 0.0), |c| (c[0].abs(), c[1].abs()))
-}
-
-/// Mean direction from which on it is known.
-const SURE: f64 = 0.99;
-
 /// Cuts rows into blocks of about equal length that do not cross stretches.
 fn cut(tracks: &[Track]) -> Blocks {
     let total: usize = tracks.iter().map(Track::row_count).sum();
@@ -295,8 +254,6 @@ impl DesignMatrix {
             .map(|c| Track::new(c.clone(), cutoff, reversals))
             .filter(|t| t.row_count() >= 24)
             .collect();
-        let (mass, friction) = rough(&tracks);
-        tracks.iter_mut().for_each(|t| t.weigh(friction, mass));
         let present = directions(&mut tracks);
         let blocks = cut(&tracks);
         let mut share = Vec::new();
@@ -378,13 +335,10 @@ impl DesignMatrix {
                     acceleration: t.raw.acceleration.as_deref().map(&mut noisy),
                     force: noisy(&t.raw.force),
                     normal: t.raw.normal.as_deref().map(&mut noisy),
-                    estimated: OnceLock::new(),
                     ..t.raw.clone()
                 };
-                let motion = raw.motion_like(&t.raw.motion());
-                let raw = Channels { estimated: OnceLock::from(motion), ..raw };
                 let mut track = Track::new(raw, cutoff, t.reversals);
-                track.weigh_like(t);
+                track.mask.clone_from(&t.mask);
                 track.stride = t.stride;
                 track
             })

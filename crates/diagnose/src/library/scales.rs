@@ -22,8 +22,6 @@ pub struct Scales {
     pub force: f64,
     /// Cut-off of the filter, Hz.
     pub cutoff: f64,
-    /// Longest sample period, s: what is later by less is how the recording was made.
-    pub sample: f64,
 }
 
 impl Scales {
@@ -41,7 +39,6 @@ impl Scales {
             fine: largest(&|t| (rms(&t.v) / (4.0 * cutoff)).min(20.0 * t.noise.position.max(1e-12))),
             force: largest(&|t| magnitude(&t.f)),
             cutoff,
-            sample: largest(&|t| t.raw.dt),
         }
     }
 
@@ -67,7 +64,7 @@ impl Scales {
         let (low, high, log) = match parameter.scale {
             Scale::Speed => (0.7 * self.slow, 1.5 * self.speed, true),
             Scale::Frequency => (0.1 * self.cutoff, 2.0 * self.cutoff, true),
-            Scale::Lag => (self.sample, (0.1 * self.duration).min(8.0 / self.cutoff), true),
+            Scale::Lag => (0.5 / (20.0 * self.cutoff), (0.1 * self.duration).min(8.0 / self.cutoff), true),
             Scale::Force => (0.3 * self.force, 1.1 * self.force, false),
             Scale::Wavelength => (self.finest_wave(), 1.5 * span, true),
             Scale::Rest => (1.0 / self.cutoff, 0.3 * self.duration, true),

@@ -10,7 +10,6 @@ use signals::{
     Channels, FaultKind, Geometry, Preparation, Recording, RecordingFault, Settings, choose_cutoff,
     differentiated, noise_std,
 };
-use std::sync::OnceLock;
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -44,7 +43,6 @@ impl Intake {
             let by = found.map_or(0.0, |f| f.0);
             for stretch in self.stretches.iter_mut().filter(|s| s.recording == *recording) {
                 stretch.position.iter_mut().for_each(|x| *x -= by);
-                stretch.estimated = OnceLock::new();
             }
         }
     }
@@ -88,6 +86,16 @@ impl Intake {
         };
         self.witnessed.iter().all(|w| *w)
             && (self.channel.encoder.is_some() || self.stretches.iter().all(quieter))
+    }
+}
+
+impl Intake {
+    /// Keeps the moments around reversals, and says so.
+    pub fn keep_reversals(&mut self) {
+        self.reversals.kept = true;
+        let why = "the body reverses every few samples: all of them are used, and friction right at a reversal is not \
+                   resolved";
+        self.faults.push(RecordingFault { kind: FaultKind::QuickReversals, at_s: None, why: why.into() });
     }
 }
 

@@ -27,7 +27,7 @@ const FLAT: f64 = 0.25;
 /// Δv and half a bin's width, m/s, where the recording shows the step.
 pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
     let used: Vec<(usize, &Track)> =
-        tracks.iter().flat_map(|t| (0..t.len()).filter(|&i| t.mask[i] > 0.5).map(move |i| (i, t))).collect();
+        tracks.iter().flat_map(|t| (0..t.len()).filter(|&i| t.mask[i] > 0.0).map(move |i| (i, t))).collect();
     let speeds: Vec<f64> = used.iter().map(|(i, t)| t.v[*i].abs()).collect();
     let top = quantile(&speeds, 0.95);
     if !(top > 0.0) {

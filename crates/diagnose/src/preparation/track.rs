@@ -1,36 +1,22 @@
 //! One gap-free stretch of a recording, filtered once and ready for regressors.
 //!
-//! Friction's physics happens at reversals, so as little as possible is left out there. The motion is estimated
-//! ([`signals::estimate_motion`]), the direction is its posterior mean, and each sample weighs what is known of it
-//! ([`Track::weigh`]) *before* the filter's average is formed, on both sides of the equation alike ([`Track::pass`]). A stuck
-//! body's friction is whatever balances the applied force: such samples would be a mismatch for every law and information for
-//! none, and left out behind the filter they would have leaked into their neighbours already.
+//! Samples at which the sliding direction is not known are set aside *before* the filter's average is formed,
+//! on both sides of the equation alike ([`Track::pass`]). A stuck body's friction is whatever balances the applied
+//! force: such samples would be a mismatch for every law and information for none, and set aside behind the filter
+//! they would have leaked into their neighbours already.
+//!
+//! For that the derivatives have to be sharper than the filter: they are taken behind a filter of
+//! [`SHARPER`] times the cut-off, and the noise this lets through is taken out again by the filter itself.
 
 use signals::{
-    Channels, LowPass, Noise, central_difference, derived_noise, differentiated, direction, noise_std,
-    quantile, spread,
+    Channels, LowPass, Noise, central_difference, derived_noise, differentiated, noise_std, quantile,
 };
 use std::f64::consts::PI;
 
 /// Cut-off of the filter behind which derivatives are taken, in cut-offs.
 const SHARPER: f64 = 3.0;
 
-/// Error of a crossing between two samples as a share of the time between them: the velocity is not straight there.
-const MISTIMED: f64 = 0.05;
-
-/// Error of the smallest velocities, as a share of the largest: so slow, sensors are not what their noise says.
-const SLOW: f64 = 0.001;
-
-/// Moments within the time of a sample.
-const PARTS_OF_SAMPLE: [f64; 5] = [-0.4, -0.2, 0.0, 0.2, 0.4];
-
-/// Error left by the direction, as a share of the noise, at which a sample counts half.
-const TOLERATED: f64 = 0.5;
-
-/// Share of the force below which an error is not looked at.
-const NEGLIGIBLE: f64 = 0.002;
-
-/// What is known of the direction of sliding beside the velocity.
+/// What is known of the moments at which the direction of sliding is not.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reversals {
     /// Δv of the baseline: speeds below it belong to its static branch, whose force is whatever balances. 0 where the
@@ -38,6 +24,8 @@ pub struct Reversals {
     pub static_band: f64,
     /// The direction of a body that only ever advances: it is known at every sample, however slow.
     pub one_way: Option<f64>,
+    /// The body reverses so often that nothing would be left without the moments around reversals: they are kept.
+    pub kept: bool,
 }
 
 /// The stretch behind the filter.
@@ -49,29 +37,19 @@ pub struct Track {
     pub reversals: Reversals,
     /// The filter.
     pub filter: LowPass,
-    /// Position, smoothed.
+    /// Position behind the sharper filter.
     pub x: Vec<f64>,
-    /// Velocity, smoothed.
+    /// Velocity behind the sharper filter.
     pub v: Vec<f64>,
-    /// Acceleration: behind the sharper filter, and smoothed around the moments at which the direction is not known. A filter
-    /// blurs it as little as the force, whatever its frequency, but carries the edges of a stuck stretch into the samples
-    /// beside it; the smoother does not.
+    /// Acceleration behind the sharper filter.
     pub a: Vec<f64>,
-    /// The same of the smoother alone.
-    smoothed: Vec<f64>,
-    /// Standard deviation of the acceleration.
-    pub a_std: Vec<f64>,
     /// Force behind the sharper filter.
     pub f: Vec<f64>,
     /// Normal load behind the filter.
     pub normal: Option<Vec<f64>>,
-    /// Sliding direction: −1 or 1. It does not flicker in noise.
+    /// Sliding direction: −1 or 1.
     pub sign: Vec<f64>,
-    /// Posterior mean of the direction, from −1 to 1, over the time of a sample as the acceleration shows it.
-    pub direction: Vec<f64>,
-    /// What is not known of the direction: 1 − E[sgn v]², 1 in the static branch.
-    pub unknown: Vec<f64>,
-    /// Weight of a sample, from 0, where the body may be stuck or the filter has not settled, to 1.
+    /// 0 where the body may be stuck or the filter has not settled, 1 where it slides, smooth between.
     pub mask: Vec<f64>,
     /// The force as the baseline predicts it: what stands for "the applied force" inside a regressor, because
     /// the measured force's own noise there would correlate with itself.
@@ -86,58 +64,65 @@ pub struct Track {
     pub noise: Noise,
 }
 
-/// The acceleration behind `sharp`, of all channels that show it, by their noise behind the filter.
-fn differentiated_twice(raw: &Channels, cutoff: f64, sharp: &LowPass, noise: &Noise) -> Vec<f64> {
-    let dt = raw.dt;
-    let twice = central_difference(&central_difference(&sharp.apply(&raw.position), dt), dt);
-    let mut sources = vec![(twice, noise.position * differentiated(2, cutoff, dt))];
-    if let Some(column) = &raw.velocity {
-        let once = central_difference(&sharp.apply(column), dt);
-        sources.push((once, noise_std(column) * differentiated(1, cutoff, dt)));
-    }
-    if let Some(column) = &raw.acceleration {
-        sources.push((sharp.apply(column), noise_std(column) * differentiated(0, cutoff, dt)));
-    }
-    let information: Vec<f64> = sources.iter().map(|(_, s)| 1.0 / (s * s).max(1e-300)).collect();
-    let total: f64 = information.iter().sum();
-    let mut out = vec![0.0; raw.len()];
-    for ((series, _), share) in sources.iter().zip(&information) {
-        for (o, x) in out.iter_mut().zip(series) {
-            *o += share / total * x;
+/// Weights of sources by their noise, summing to one.
+fn weights(noise: &[f64]) -> Vec<f64> {
+    let information: Vec<f64> = noise.iter().map(|s| 1.0 / (s * s).max(1e-300)).collect();
+    let sum: f64 = information.iter().sum();
+    information.iter().map(|i| i / sum).collect()
+}
+
+fn combine(sources: &[(Vec<f64>, f64)]) -> Vec<f64> {
+    let w = weights(&sources.iter().map(|s| s.1).collect::<Vec<_>>());
+    let mut out = vec![0.0; sources[0].0.len()];
+    for ((series, _), w) in sources.iter().zip(w) {
+        for (o, s) in out.iter_mut().zip(series) {
+            *o += w * s;
         }
     }
     out
 }
 
 impl Track {
-    /// Estimates the motion behind the channels, filters them at `cutoff` Hz and finds where the direction is known.
+    /// Filters the channels at `cutoff` Hz and finds where the sliding direction is known.
     pub fn new(raw: Channels, cutoff: f64, reversals: Reversals) -> Self {
         let dt = raw.dt;
         let filter = LowPass::new(cutoff, dt);
-        let sharp = LowPass::new((SHARPER * cutoff).min(0.3 / dt), dt);
-        let instant = if raw.acceleration.is_some() { 1.0 } else { 0.0 };
-        let mut noise = derived_noise(&raw, cutoff);
-        let motion = raw.motion();
-        let v_std: Vec<f64> = (0..motion.len()).map(|i| motion.velocity_std(i)).collect();
-        let a_std: Vec<f64> = (0..motion.len()).map(|i| motion.acceleration_std(i)).collect();
-        noise.velocity = quantile(&v_std, 0.5);
-
-        let n = motion.len();
-        let stride = ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize;
+        let sharper = (SHARPER * cutoff).min(0.3 / dt);
+        let sharp = LowPass::new(sharper, dt);
+        let noise = Noise { velocity: derived_noise(&raw, sharper).velocity, ..derived_noise(&raw, cutoff) };
+        let x = sharp.apply(&raw.position);
         let f = sharp.apply(&raw.force);
+        let slope = central_difference(&x, dt);
+
+        let mut velocities = vec![(slope.clone(), noise.position * differentiated(1, sharper, dt))];
+        if let Some(column) = &raw.velocity {
+            velocities.push((sharp.apply(column), noise_std(column) * differentiated(0, sharper, dt)));
+        }
+        let v = combine(&velocities);
+        let mut accelerations =
+            vec![(central_difference(&slope, dt), noise.position * differentiated(2, cutoff, dt))];
+        if let Some(column) = &raw.velocity {
+            let a = central_difference(&sharp.apply(column), dt);
+            accelerations.push((a, noise_std(column) * differentiated(1, cutoff, dt)));
+        }
+        if let Some(column) = &raw.acceleration {
+            accelerations.push((sharp.apply(column), noise_std(column) * differentiated(0, cutoff, dt)));
+        }
+        let a = combine(&accelerations);
+
+        let n = x.len();
+        let settle = filter.settle().min(n / 4);
+        let stride = ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize;
+        let normal = raw.normal.as_ref().map(|c| filter.apply(c));
         let mut track = Self {
             filter,
-            x: motion.position.clone(),
-            v: motion.velocity.clone(),
-            a: differentiated_twice(&raw, cutoff, &sharp, &noise),
-            smoothed: motion.acceleration.clone(),
-            a_std,
-            normal: raw.normal.as_ref().map(|c| filter.apply(c)),
+            x,
+            v,
+            a,
+            normal,
             force_model: f.clone(),
             f,
             sign: vec![1.0; n],
-            direction: vec![1.0; n],
-            unknown: vec![0.0; n],
             mask: vec![1.0; n],
             distance: vec![0.0; n],
             since: vec![0.0; n],
@@ -146,33 +131,43 @@ impl Track {
             reversals,
             raw,
         };
-        track.find_signs();
-        track.find_directions(&v_std, instant);
+        track.find_directions(sharper);
+        for i in 0..settle {
+            track.mask[i] = 0.0;
+            track.mask[n - 1 - i] = 0.0;
+        }
+        track.soften((0.75 / (cutoff * dt)).ceil() as usize);
         track.measure_reversals();
         track
     }
 
     /// Velocity below which the direction is not known.
     pub fn guard(&self) -> f64 {
-        (3.0 * self.noise.velocity).max(3.0 * SLOW * self.fast()).max(self.reversals.static_band)
+        let fast = quantile(&self.v.iter().map(|v| v.abs()).collect::<Vec<_>>(), 0.95);
+        (3.0 * self.noise.velocity).max(0.003 * fast).max(self.reversals.static_band)
     }
 
-    fn fast(&self) -> f64 {
-        quantile(&self.v.iter().map(|v| v.abs()).collect::<Vec<_>>(), 0.95)
-    }
-
-    /// The direction before and behind every moment at which it changes.
-    fn find_signs(&mut self) {
+    /// `sharper` is the cut-off behind which the velocity was taken, Hz.
+    fn find_directions(&mut self, sharper: f64) {
         if let Some(way) = self.reversals.one_way {
             self.sign.fill(way);
             return;
         }
         let n = self.v.len();
+        let dt = self.raw.dt;
         let guard = self.guard();
+        // as far as an edge of the velocity is smeared
+        let ring = (0.75 / (sharper * dt)).ceil() as usize;
+        let mean = moving_mean(&self.v, ring);
+        let mut unknown = Vec::new();
         let mut i = 0;
         let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
         while i < n {
             if self.v[i].abs() >= guard {
+                // a reversal so swift that no sample falls into it is still somewhere between two of them
+                if self.v[i].signum() != direction {
+                    unknown.push((i.saturating_sub(ring), (i + ring).min(n)));
+                }
                 direction = self.v[i].signum();
                 self.sign[i] = direction;
                 i += 1;
@@ -184,6 +179,8 @@ impl Track {
                 i += 1;
             }
             let after = if i < n { self.v[i].signum() } else { direction };
+            // Averaged, the noise of a body at rest stays below half the guard, and what slides slowly does not.
+            let slowest = mean[start..i].iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
             // The most likely moment of the crossing is the last change of sign inside.
             let change =
                 (start.max(1)..i).rev().find(|&j| self.v[j] * after > 0.0 && self.v[j - 1] * after <= 0.0);
@@ -191,83 +188,35 @@ impl Track {
             for j in start..i {
                 self.sign[j] = if j < change { direction } else { after };
             }
+            // A reversal, a rest, or the static branch. A moment's error at a reversal is twice the Coulomb force for that moment.
+            if after != direction || self.reversals.static_band > 0.0 || slowest < 0.5 * guard {
+                unknown.push((start.saturating_sub(ring), (i + ring).min(n)));
+            }
             direction = after;
         }
-    }
-
-    /// Posterior mean and variance of the direction. `instant` is the share of the acceleration that is measured at the
-    /// instant of a sample; the rest is  and shows a reversal between two samples as the mean over the time of
-    /// each.
-    fn find_directions(&mut self, v_std: &[f64], instant: f64) {
-        if let Some(way) = self.reversals.one_way {
-            self.direction.fill(way);
-            return;
-        }
-        let n = self.v.len();
-        let fast = self.fast();
-        for (i, v_std) in v_std.iter().enumerate() {
-            let (before, here, after) = (self.v[i.saturating_sub(1)], self.v[i], self.v[(i + 1).min(n - 1)]);
-            let least = v_std.hypot(SLOW * fast);
-            let std = least.hypot(MISTIMED * 0.5 * (after - before));
-            let (mut mean, mut square) = (0.0, 0.0);
-            for part in PARTS_OF_SAMPLE {
-                let v = if part < 0.0 { here + part * (here - before) } else { here + part * (after - here) };
-                let e = direction(v, std);
-                mean += e / PARTS_OF_SAMPLE.len() as f64;
-                square += e * e / PARTS_OF_SAMPLE.len() as f64;
-            }
-            let at_once = direction(here, least);
-            self.direction[i] = instant * at_once + (1.0 - instant) * mean;
-            self.unknown[i] = 1.0 - (instant * at_once * at_once + (1.0 - instant) * square);
-            if here.abs() < self.reversals.static_band {
-                self.unknown[i] = 1.0;
-            }
+        for (from, to) in unknown.into_iter().filter(|_| !self.reversals.kept) {
+            self.mask[from..to].fill(0.0);
         }
     }
 
-    /// Weighs each sample: a direction that is not known leaves an error of the `friction`, a motion that jerks one of the
-    /// acceleration of `mass`, beside the noise of the force.
-    pub fn weigh(&mut self, friction: f64, mass: f64) {
-        let usual = mass * quantile(&self.a_std, 0.5);
-        let floor = self.noise.force.max(usual).max(NEGLIGIBLE * spread(&self.raw.force)).max(1e-300);
-        for i in 0..self.mask.len() {
-            let direction = friction * self.unknown[i];
-            let jerk = (mass * self.a_std[i] - usual).max(0.0);
-            self.mask[i] =
-                1.0 / (1.0 + (direction / (TOLERATED * floor)).powi(2) + (jerk / (3.0 * floor)).powi(2));
-        }
-        let n = self.mask.len();
-        for i in 0..self.filter.settle().min(n / 4) {
-            self.mask[i] = 0.0;
-            self.mask[n - 1 - i] = 0.0;
-        }
-        self.join();
-    }
-
-    /// Takes the smoothed acceleration near samples that are not used, rising and falling over as long as an edge of the
-    /// filtered one swings.
-    fn join(&mut self) {
-        let width = (0.75 / (self.filter.cutoff() * self.raw.dt)).ceil();
-        let mut since = f64::INFINITY;
-        let run = |since: &mut f64, mask: f64| {
-            *since = if mask < 0.5 { 0.0 } else { *since + 1.0 };
+    /// Lets the mask rise over `width` samples beside every gap. An edge of the acceleration is smeared by the sharper
+    /// filter; cut through by a hard mask it would not cancel.
+    fn soften(&mut self, width: usize) {
+        let run = |since: &mut usize, mask: f64| {
+            *since = if mask == 0.0 { 0 } else { since.saturating_add(1) };
             *since
         };
-        let mut nearest: Vec<f64> = self.mask.iter().map(|m| run(&mut since, *m)).collect();
-        since = f64::INFINITY;
-        for (near, mask) in nearest.iter_mut().zip(&self.mask).rev() {
-            *near = near.min(run(&mut since, *mask));
+        let mut since = usize::MAX;
+        let mut nearest: Vec<usize> = self.mask.iter().map(|m| run(&mut since, *m)).collect();
+        since = usize::MAX;
+        for (near, m) in nearest.iter_mut().zip(&self.mask).rev() {
+            *near = (*near).min(run(&mut since, *m));
         }
-        for ((a, smoothed), near) in self.a.iter_mut().zip(&self.smoothed).zip(nearest) {
-            let share = 0.5 - 0.5 * (PI * (near / (2.0 * width)).min(1.0)).cos();
-            *a = share * *a + (1.0 - share) * smoothed;
+        for (m, near) in self.mask.iter_mut().zip(nearest) {
+            if near <= width {
+                *m = 0.5 - 0.5 * (PI * near as f64 / (width + 1) as f64).cos();
+            }
         }
-    }
-
-    /// Weighs the samples as another track of the same motion.
-    pub fn weigh_like(&mut self, other: &Self) {
-        self.mask.clone_from(&other.mask);
-        self.join();
     }
 
     fn measure_reversals(&mut self) {
@@ -305,13 +254,14 @@ impl Track {
         self.len() / self.stride
     }
 
-    /// A series behind the filter. Linear: what holds of the samples holds of the result.
+    /// A series with what is set aside taken out, behind the filter. Linear: what holds of the samples in use holds
+    /// of the result.
     pub fn pass(&self, series: &[f64]) -> Vec<f64> {
-        let weighted: Vec<f64> = series.iter().zip(&self.mask).map(|(x, m)| x * m).collect();
-        self.filter.apply(&weighted)
+        let masked: Vec<f64> = series.iter().zip(&self.mask).map(|(x, m)| x * m).collect();
+        self.filter.apply(&masked)
     }
 
-    /// Weighted averages over `stride` samples of a series that is already behind the filter.
+    /// Masked averages over `stride` samples of a series that is already behind the filter.
     pub fn rows(&self, series: &[f64], out: &mut Vec<f64>) {
         let share = 1.0 / self.stride as f64;
         for r in 0..self.row_count() {
@@ -323,8 +273,8 @@ impl Track {
 
     /// [`Self::pass`] and [`Self::rows`] of several series at once, each onto its own column.
     pub fn passed_rows<const L: usize>(&self, series: &[[f64; L]], out: &mut [Vec<f64>]) {
-        let weighted: Vec<[f64; L]> = series.iter().zip(&self.mask).map(|(x, m)| x.map(|x| x * m)).collect();
-        let filtered = self.filter.apply_lanes(&weighted);
+        let masked: Vec<[f64; L]> = series.iter().zip(&self.mask).map(|(x, m)| x.map(|x| x * m)).collect();
+        let filtered = self.filter.apply_lanes(&masked);
         let share = 1.0 / self.stride as f64;
         for (samples, mask) in filtered.chunks_exact(self.stride).zip(self.mask.chunks_exact(self.stride)) {
             let mut sum = [0.0; L];
@@ -342,12 +292,21 @@ impl Track {
     /// Unfiltered columns of the baseline: mass, Coulomb and viscous force for either direction.
     pub fn baseline(&self) -> [Vec<f64>; 5] {
         let n = self.len();
-        let by = |way: f64, viscous: bool| -> Vec<f64> {
-            // probability of that direction
-            let share = |i: usize| 0.5 * (1.0 + way * self.direction[i]);
-            (0..n).map(|i| share(i) * if viscous { self.v[i] } else { way }).collect()
+        let by = |forward: bool, viscous: bool| -> Vec<f64> {
+            let want = if forward { 1.0 } else { -1.0 };
+            (0..n)
+                .map(|i| {
+                    if self.sign[i] != want {
+                        0.0
+                    } else if viscous {
+                        self.v[i]
+                    } else {
+                        want
+                    }
+                })
+                .collect()
         };
-        [self.a.clone(), by(1.0, false), by(-1.0, false), by(1.0, true), by(-1.0, true)]
+        [self.a.clone(), by(true, false), by(false, false), by(true, true), by(false, true)]
     }
 }
 
@@ -370,4 +329,18 @@ pub fn one_way(stretches: &[Channels]) -> Option<f64> {
     });
     let first = ways.next().filter(|w| *w != 0.0)?;
     ways.all(|w| w == first).then_some(first)
+}
+
+/// Mean over `half` samples to either side, fewer at the ends.
+fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; series.len() + 1];
+    for (i, x) in series.iter().enumerate() {
+        sums[i + 1] = sums[i] + x;
+    }
+    (0..series.len())
+        .map(|i| {
+            let (low, high) = (i.saturating_sub(half), (i + half + 1).min(series.len()));
+            (sums[high] - sums[low]) / (high - low) as f64
+        })
+        .collect()
 }

@@ -1,11 +1,10 @@
 //! The channels of one gap-free stretch on an even grid.
 
-use crate::smoother::{Motion, Observation, Observed, estimate_motion, estimate_motion_like};
+use crate::smoother::{Motion, Observation, Observed, estimate_motion};
 use crate::stretches::Stretch;
 use crate::{Recording, central_difference, noise_std, rms, spread};
 use std::cell::LazyCell;
 use std::f64::consts::PI;
-use std::sync::{Arc, OnceLock};
 
 /// Channels of one gap-free stretch at one rate, equal lengths, all of them numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,8 +27,6 @@ pub struct Channels {
     pub normal: Option<Vec<f64>>,
     /// What the motion was asked to be, m or rad.
     pub reference: Option<Vec<f64>>,
-    /// The motion behind the channels, once [`Channels::motion`] was asked for; to be cleared when they change.
-    pub estimated: OnceLock<Arc<Motion>>,
 }
 
 /// Longest average over which a position is looked at as a motion, s, unless its noise asks for a longer one.
@@ -49,33 +46,19 @@ impl Channels {
             force: grid(&recording.force),
             normal: recording.normal_force.as_ref().map(grid),
             reference: recording.reference.as_ref().filter(|c| c.iter().all(|x| x.is_finite())).map(grid),
-            estimated: OnceLock::new(),
         }
     }
 
-    /// The motion behind the channels, estimated once.
+    /// The motion behind the channels.
     #[must_use]
-    pub fn motion(&self) -> Arc<Motion> {
-        let estimate = || estimate_motion(&self.times(), &self.observations()).unwrap_or_default();
-        // finite channels on an even grid are never refused
-        self.estimated.get_or_init(|| Arc::new(estimate())).clone()
-    }
-
-    /// The motion behind another reading of the same one: it jerks where `known` does.
-    #[must_use]
-    pub fn motion_like(&self, known: &Motion) -> Arc<Motion> {
-        Arc::new(estimate_motion_like(&self.times(), &self.observations(), known).unwrap_or_default())
-    }
-
-    fn times(&self) -> Vec<f64> {
-        (0..self.len()).map(|i| i as f64 * self.dt).collect()
-    }
-
-    fn observations(&self) -> Vec<Observation<'_>> {
+    pub fn motion(&self) -> Motion {
+        let time: Vec<f64> = (0..self.len()).map(|i| i as f64 * self.dt).collect();
         let position = Some(Observation::new(Observed::Position, &self.position));
         let velocity = self.velocity.as_ref().map(|v| Observation::new(Observed::Velocity, v));
         let acceleration = self.acceleration.as_ref().map(|a| Observation::new(Observed::Acceleration, a));
-        [position, velocity, acceleration].into_iter().flatten().collect()
+        let observations: Vec<_> = [position, velocity, acceleration].into_iter().flatten().collect();
+        // finite channels on an even grid are never refused
+        estimate_motion(&time, &observations).unwrap_or_default()
     }
 
     /// Number of samples.
@@ -104,7 +87,6 @@ impl Channels {
             force: part(&self.force),
             normal: self.normal.as_ref().map(part),
             reference: self.reference.as_ref().map(part),
-            estimated: OnceLock::new(),
         }
     }
 

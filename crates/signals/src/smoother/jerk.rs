@@ -44,14 +44,6 @@ pub(super) fn estimate(chain: &Chain<'_>) -> (Vec<f64>, Vec<Gaussian>) {
     (density, states)
 }
 
-/// Smoothed states at a density that is known.
-pub(super) fn smoothed(chain: &Chain<'_>, density: &[f64]) -> Vec<Gaussian> {
-    let mut states = Vec::with_capacity(chain.len());
-    chain.filter(0..chain.len(), |k| density[k], |s| states.push(s));
-    chain.smooth(&mut states, density, &mut vec![JerkPower::default(); chain.len()]);
-    states
-}
-
 /// One step of the fixed point in every window; returns the new common level.
 fn renew(density: &mut [f64], power: &[JerkPower], level: f64) -> f64 {
     let n = density.len();

@@ -14,7 +14,6 @@ mod observation;
 
 use crate::Error;
 use chain::Chain;
-use kalman::Gaussian;
 pub use observation::{Observation, Observed};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -112,49 +111,12 @@ pub fn estimate_motion(time: &[f64], observations: &[Observation<'_>]) -> Result
     }
     let chain = Chain::new(time, observations);
     let (density, states) = jerk::estimate(&chain);
-    Ok(motion(&chain, time.len(), &density, &states))
-}
-
-/// The same with the jerk density of a motion that is known at these stamps, as for another reading of it: one pass.
-///
-/// # Errors
-/// As [`estimate_motion`], and a known motion of another length.
-pub fn estimate_motion_like(
-    time: &[f64],
-    observations: &[Observation<'_>],
-    known: &Motion,
-) -> Result<Motion, Error> {
-    validate(time, observations)?;
-    if known.len() != time.len() {
-        return Err(Error::Parameter {
-            parameter: "stamps of the known motion".into(),
-            value: known.len().to_string(),
-            accepted: format!("accepted are the {} of the recording", time.len()),
-        });
-    }
-    if time.is_empty() {
-        return Ok(Motion::default());
-    }
-    let chain = Chain::new(time, observations);
-    let unit = chain.units.length.powi(2) / chain.units.time.powi(5);
-    let mut last = known.jerk_density[0];
-    let density: Vec<f64> = (0..chain.len())
-        .map(|k| {
-            last = chain.stamp(k).map_or(last, |i| known.jerk_density[i]);
-            last / unit
-        })
-        .collect();
-    let states = jerk::smoothed(&chain, &density);
-    Ok(motion(&chain, time.len(), &density, &states))
-}
-
-fn motion(chain: &Chain<'_>, stamps: usize, density: &[f64], states: &[Gaussian]) -> Motion {
     let mut out = Motion {
-        position: vec![0.0; stamps],
-        velocity: vec![0.0; stamps],
-        acceleration: vec![0.0; stamps],
-        covariance: vec![[0.0; 6]; stamps],
-        jerk_density: vec![0.0; stamps],
+        position: vec![0.0; time.len()],
+        velocity: vec![0.0; time.len()],
+        acceleration: vec![0.0; time.len()],
+        covariance: vec![[0.0; 6]; time.len()],
+        jerk_density: vec![0.0; time.len()],
     };
     let units = chain.units;
     let [x, v, a] = [0, 1, 2].map(|c| units.of(c));
@@ -167,7 +129,7 @@ fn motion(chain: &Chain<'_>, stamps: usize, density: &[f64], states: &[Gaussian]
         out.covariance[i] = std::array::from_fn(|e| state.cov[e] * products[e]);
         out.jerk_density[i] = density[k] * x * x / units.time.powi(5);
     }
-    out
+    Ok(out)
 }
 
 fn validate(time: &[f64], observations: &[Observation<'_>]) -> Result<(), Error> {
