@@ -272,6 +272,34 @@ fn after_a_lost_sample_the_body_was_predicted_to_be_at_rest() {
 }
 
 #[test]
+fn at_rest_the_standard_deviation_is_half_of_what_lies_between_the_levels() {
+    // a slide forward, 1 s of rest, and back, read in steps of 1 µm
+    let place = |t: f64| match t {
+        t if t < 1.0 => 0.01 * (1.0 - (std::f64::consts::PI * t).cos()),
+        t if t < 2.0 => 0.02,
+        t => 0.01 * (1.0 + (std::f64::consts::PI * (t - 2.0)).cos()),
+    };
+    let time: Vec<f64> = (0..3000).map(|i| f64::from(i) * 1e-3).collect();
+    let position = time.iter().map(|t| (place(*t) / 1e-6).round() * 1e-6).collect();
+    let r = Recording { force: vec![0.0; 3000], time, position, ..Recording::default() };
+    let model = rubber();
+    let predicted = model.predict_with_std(&r).unwrap();
+    assert_eq!(predicted.force, model.predict(&r).unwrap());
+    let Law::Karnopp(k) = model.law else { panic!() };
+    let half = 0.5 * (k.d_p + k.d_n);
+    for i in [1200, 1500, 1800] {
+        println!("at rest {:.3} N, half of the band {half:.3} N", predicted.std[i]);
+        assert!(!predicted.is_sliding[i]);
+        assert!((predicted.std[i] / half - 1.0).abs() < 0.05);
+    }
+    for i in [300, 500, 700, 2300, 2500, 2700] {
+        println!("sliding {:.4} N", predicted.std[i]);
+        assert!(predicted.is_sliding[i]);
+        assert!(predicted.std[i] < 0.1 * half && predicted.std[i] > 0.0);
+    }
+}
+
+#[test]
 fn the_prediction_is_the_law_on_the_motion() {
     let r = moved(3000);
     let mut model = rubber();
