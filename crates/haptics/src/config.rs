@@ -3,9 +3,13 @@
 use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
 use crate::{Biquad, Device, RendererKind, Settings};
-use crate::{homing, passivity, silence};
+use crate::{homing, silence};
 use friction::effects::{Effect, EffectKind};
 use friction::{Law, Scalar};
+
+/// Share of m/T that the passivity controller may damp with: as the brake of a handle at rest, it halves the speed of a free
+/// handle in one period.
+const PASSIVITY_DAMPING: f32 = 0.5;
 
 /// Time constant of the force difference after a swap, s: it vanishes in 20 ms, without a click and too fast to feel.
 const BLEND_S: f32 = 6e-3;
@@ -63,7 +67,7 @@ impl Config {
             kinds: settings.effects.map(|effect| effect.map(|effect| effect.kind)),
             has_effects: settings.effects.iter().any(Option::is_some),
             passivity: settings.passivity,
-            passivity_damping: passivity::damping_most(device.mass, device.period),
+            passivity_damping: PASSIVITY_DAMPING * device.mass / device.period,
             half_compliance: 0.5 / settings.k_vc,
             dv: settings.dv,
             mass: settings.mass,

@@ -11,20 +11,11 @@
 use crate::Config;
 use crate::renderer::{Contact, Handle};
 
-/// Share of m/T that the controller may damp with: as the brake of a handle at rest, it halves the speed of a free handle in
-/// one period.
-const DAMPING_SHARE: f32 = 0.5;
-
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Passivity {
     /// Energy that the hand may get back, J. Negative: it got more.
     balance: f32,
-}
-
-/// Largest damping of the controller on this device, N·s/m.
-pub(crate) fn damping_most(mass: f32, period: f32) -> f32 {
-    DAMPING_SHARE * mass / period
 }
 
 impl Passivity {
