@@ -47,8 +47,8 @@ def test_prediction_and_simulation_are_the_commands(command, files):
     said = command(files, "predict", "--model", "m.toml", "again.csv", "--out", "p.csv")
     assert said.returncode == 0, said.stderr
     rows = csv.reader(line for line in (files / "p.csv").open() if not line.startswith("#"))
-    assert next(rows) == ["time_s", "force_n"]
-    theirs = np.array([float(force) for _, force in rows])
+    assert next(rows) == ["time_s", "force_n", "force_std_n"]
+    theirs = np.array([float(force) for _, force, _ in rows])
     assert np.array_equal(tribos.predict(found.model, files / "again.csv"), theirs)
     said = command(files, "simulate", "--model", "m.toml", "--move", "sine 0.01 2 2", "--out", "s.csv")
     assert said.returncode == 0, said.stderr

@@ -270,13 +270,13 @@ import tribos
 def threads():
     return [p.read_text().strip() for p in pathlib.Path("/proc/self/task").glob("*/comm")].count("tribos")
 
-made = tribos.Recording(slide(300, cubic=9e4))
+made = tribos.Recording(slide(60, cubic=9e4))
 try:
     tribos.diagnose(made, progress=lambda share, what: print("at", share, flush=True))
 except KeyboardInterrupt:
     raised = time.monotonic()
     print("interrupted", threads(), flush=True)
-    while threads() and time.monotonic() < raised + 60:
+    while threads() and time.monotonic() < raised + 300:
         time.sleep(0.02)
     print("ended", threads(), flush=True)
 """

@@ -397,6 +397,8 @@ class Diagnosis(_Result):
     remainder: Remainder
     #: Force, rms, above which a typical effect would have been seen.
     detectable: Optional[float]
+    #: Share of the samples that were judged: those at which the body slides and the direction is known.
+    judged_share: float
     cutoff_hz: Optional[float]
     nuisances: List[PerRecording]
     validation: List[Validation]
