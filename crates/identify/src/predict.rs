@@ -27,6 +27,41 @@ pub(crate) struct Kinematics<'a> {
     pub normal: Option<&'a [f64]>,
 }
 
+impl Kinematics<'_> {
+    /// Sample `i`, without an applied force.
+    pub fn at(&self, i: usize) -> Motion<f64> {
+        Motion {
+            dt: self.dt,
+            position: self.position[i],
+            displacement: self.position[i] - self.position[i.saturating_sub(1)],
+            velocity: self.velocity[i],
+            applied: 0.0,
+            mass: 0.0,
+            normal: self.normal.map(|n| n[i]),
+        }
+    }
+}
+
+impl Signals {
+    pub(crate) fn kinematics(&self) -> Kinematics<'_> {
+        Kinematics {
+            dt: self.dt,
+            position: &self.position,
+            velocity: &self.velocity,
+            acceleration: &self.acceleration,
+            normal: self.normal_force.as_deref(),
+        }
+    }
+}
+
+/// Memory of a law, of the effects and of the free forms beside it.
+#[derive(Clone)]
+pub(crate) struct Memory {
+    pub law: LawState<f64>,
+    effects: Vec<EffectState<f64>>,
+    forms: Vec<FreeFormState<f64>>,
+}
+
 impl Model {
     /// Predicts the force at every sample of a recording, N or N·m, at the recording's own times. Position, velocity and
     /// acceleration are looked at, the force is not. Gaps of at most four samples are closed; NaN where the velocity is
@@ -36,6 +71,11 @@ impl Model {
     /// A model that is not valid, a slide's model for an axis or the other way round, or a recording of which
     /// [`prepare`] can make no signals.
     pub fn predict(&self, recording: &Recording) -> Result<Vec<f64>, Error> {
+        Ok(self.predict_recorded(&self.signals_of(recording)?))
+    }
+
+    /// The motion of a recording as this model looks at it; refuses what [`Model::predict`] refuses.
+    pub(crate) fn signals_of(&self, recording: &Recording) -> Result<Signals, Error> {
         self.validate().map_err(|refused| Error::Parameter {
             parameter: refused.parameter.to_string(),
             value: refused.value.to_string(),
@@ -50,20 +90,18 @@ impl Model {
         }
         recording.check_lengths()?;
         let motion = Recording { force: vec![0.0; recording.len()], ..recording.clone() };
-        let signals = prepare(&motion, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
-        Ok(signals.at_recorded(&signals.known(&self.predict_signals(&signals))))
+        prepare(&motion, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })
+    }
+
+    /// The prediction at the samples of the recording; NaN where the motion is not known.
+    pub(crate) fn predict_recorded(&self, signals: &Signals) -> Vec<f64> {
+        signals.at_recorded(&signals.known(&self.predict_signals(signals)))
     }
 
     /// Predicts the force at every sample of prepared signals, N or N·m.
     #[must_use]
     pub fn predict_signals(&self, signals: &Signals) -> Vec<f64> {
-        self.narrowed(signals.velocity_error()).force(&Kinematics {
-            dt: signals.dt,
-            position: &signals.position,
-            velocity: &signals.velocity,
-            acceleration: &signals.acceleration,
-            normal: signals.normal_force.as_deref(),
-        })
+        self.narrowed(signals.velocity_error()).force(&signals.kinematics())
     }
 
     /// The model with a band of rest no wider than the errors of a velocity ask for, whose deviation is `error`.
@@ -87,40 +125,34 @@ impl Model {
     /// prediction goes in a straight line from sliding friction in one direction to that in the other over the
     /// band ±Δv, which is what is expected of it not knowing more.
     pub(crate) fn force(&self, motion: &Kinematics<'_>) -> Vec<f64> {
-        let mut law = self.start_at(motion.velocity.first().copied());
-        let mut effects = vec![EffectState::<f64>::default(); self.effects.len()];
-        let mut forms = vec![FreeFormState::<f64>::default(); self.curves.len()];
-        let mut before = motion.position.first().copied().unwrap_or(0.0);
-        let mut out = Vec::with_capacity(motion.position.len());
-        for i in 0..motion.position.len() {
-            let (position, velocity) = (motion.position[i], motion.velocity[i]);
-            let mut step = Motion {
-                dt: motion.dt,
-                position,
-                displacement: position - before,
-                velocity,
-                applied: 0.0,
-                mass: 0.0,
-                normal: motion.normal.map(|n| n[i]),
-            };
-            before = position;
-            let carried = self.mass * motion.acceleration[i] + self.friction(&mut law, &step);
-            step.applied = carried;
-            let added: f64 =
-                self.effects.iter().zip(&mut effects).map(|(e, state)| e.step(state, &step)).sum();
-            let free: f64 = self.curves.iter().zip(&mut forms).map(|(c, state)| c.step(state, &step)).sum();
-            out.push(carried + added + free);
-        }
+        let mut memory = self.memory(motion.velocity.first().copied());
+        let out = (0..motion.position.len())
+            .map(|i| {
+                let step = motion.at(i);
+                let carried = self.mass * motion.acceleration[i] + self.friction(&mut memory.law, &step);
+                carried + self.added(&mut memory, &Motion { applied: carried, ..step })
+            })
+            .collect();
         self.sensed(out, motion)
     }
 
-    /// A recording that begins in motion begins with the bristle bent.
-    pub(crate) fn start_at(&self, velocity: Option<f64>) -> LawState<f64> {
-        match (&self.law, velocity) {
+    /// A recording that begins in motion, at `velocity`, begins with the bristle bent.
+    pub(crate) fn memory(&self, velocity: Option<f64>) -> Memory {
+        let law = match (&self.law, velocity) {
             (Law::Dahl(law), Some(v)) if v > 0.0 => LawState::Dahl(DahlState { z: law.limit_p }),
             (Law::Dahl(law), Some(v)) if v < 0.0 => LawState::Dahl(DahlState { z: -law.limit_n }),
             _ => LawState::default(),
-        }
+        };
+        let effects = vec![EffectState::default(); self.effects.len()];
+        Memory { law, effects, forms: vec![FreeFormState::default(); self.curves.len()] }
+    }
+
+    /// What effects and free forms add to the law in one step, N or N·m.
+    pub(crate) fn added(&self, memory: &mut Memory, step: &Motion<f64>) -> f64 {
+        let added: f64 =
+            self.effects.iter().zip(&mut memory.effects).map(|(e, state)| e.step(state, step)).sum();
+        let free: f64 = self.curves.iter().zip(&mut memory.forms).map(|(c, state)| c.step(state, step)).sum();
+        added + free
     }
 
     fn friction(&self, state: &mut LawState<f64>, motion: &Motion<f64>) -> f64 {

@@ -1,9 +1,8 @@
 //! How far a prediction is determined by the motion: what is not known of direction and acceleration, as a force.
 
 use crate::model::Model;
-use crate::preprocess::{Preprocess, Signals, Uncertain, prepare};
-use friction::effects::EffectState;
-use friction::{FreeFormState, FrictionLaw, Law, Motion};
+use crate::preprocess::{Signals, Uncertain};
+use friction::{FrictionLaw, Law, Motion};
 use signals::{Error, Recording};
 
 /// 1 − E\[sgn v\]² up to which the direction counts as known.
@@ -27,9 +26,7 @@ impl Model {
     /// # Errors
     /// As [`Model::predict`].
     pub fn predict_with_std(&self, recording: &Recording) -> Result<Predicted, Error> {
-        let force = self.predict(recording)?;
-        let motion = Recording { force: vec![0.0; recording.len()], ..recording.clone() };
-        let signals = prepare(&motion, &Preprocess::Tribos { cutoff_hz: self.cutoff_hz })?;
+        let signals = self.signals_of(recording)?;
         let Uncertain { unknown, velocity, acceleration } = signals.uncertain();
         let band = self.band(&signals);
         let delta_v = if let Law::Karnopp(k) = self.law { k.delta_v } else { 0.0 };
@@ -44,6 +41,7 @@ impl Model {
         let sliding: Vec<f64> =
             (0..signals.len()).map(|i| if unknown(i) < KNOWN { 1.0 } else { 0.0 }).collect();
         let is_sliding = signals.at_recorded(&sliding).iter().map(|s| *s > 0.5).collect();
+        let force = self.predict_recorded(&signals);
         Ok(Predicted { force, std: signals.at_recorded(&signals.known(&std)), is_sliding })
     }
 
@@ -58,46 +56,24 @@ impl Model {
 
     /// Half of what the force differs by between the two directions at each sample, static levels included.
     fn band(&self, signals: &Signals) -> Vec<f64> {
-        let mut law = self.start_at(signals.velocity.first().copied());
-        let mut effects = vec![EffectState::<f64>::default(); self.effects.len()];
-        let mut curves = vec![FreeFormState::<f64>::default(); self.curves.len()];
+        let motion = signals.kinematics();
+        let mut memory = self.memory(signals.velocity.first().copied());
         let (least, raised) = match self.law {
             Law::Karnopp(k) => (k.delta_v * 1.001, 0.5 * ((k.d_p - k.c_p) + (k.d_n - k.c_n)).max(0.0)),
             Law::Coulomb(c) => (0.0, 0.5 * ((c.static_p - c.level_p) + (c.static_n - c.level_n)).max(0.0)),
             _ => (0.0, 0.0),
         };
-        let mut before = signals.position.first().copied().unwrap_or(0.0);
         (0..signals.len())
             .map(|i| {
-                let speed = signals.velocity[i].abs().max(least).max(1e-12);
-                let step = Motion {
-                    dt: signals.dt,
-                    position: signals.position[i],
-                    displacement: signals.position[i] - before,
-                    velocity: if signals.velocity[i] < 0.0 { -speed } else { speed },
-                    applied: 0.0,
-                    mass: 0.0,
-                    normal: signals.normal_force.as_ref().map(|n| n[i]),
-                };
-                before = step.position;
+                let step = motion.at(i);
+                let speed = step.velocity.abs().max(least).max(1e-12);
+                let step = Motion { velocity: if step.velocity < 0.0 { -speed } else { speed }, ..step };
                 let turned = Motion { velocity: -step.velocity, ..step };
-                let other =
-                    self.opposing(&mut law.clone(), &mut effects.clone(), &mut curves.clone(), &turned);
-                let own = self.opposing(&mut law, &mut effects, &mut curves, &step);
+                let mut other = memory.clone();
+                let other = self.law.step(&mut other.law, &turned) + self.added(&mut other, &turned);
+                let own = self.law.step(&mut memory.law, &step) + self.added(&mut memory, &step);
                 0.5 * (own - other).abs() + raised
             })
             .collect()
-    }
-
-    fn opposing(
-        &self,
-        law: &mut friction::LawState<f64>,
-        effects: &mut [EffectState<f64>],
-        curves: &mut [FreeFormState<f64>],
-        step: &Motion<f64>,
-    ) -> f64 {
-        let added: f64 = self.effects.iter().zip(effects).map(|(e, state)| e.step(state, step)).sum();
-        let free: f64 = self.curves.iter().zip(curves).map(|(c, state)| c.step(state, step)).sum();
-        self.law.step(law, step) + added + free
     }
 }
