@@ -15,8 +15,6 @@ pub struct Predicted {
     pub std: Vec<f64>,
     /// What a user should know, each one line.
     pub notes: Vec<String>,
-    /// Root mean square of the unfiltered residual, and its share of the force; None where no force was measured.
-    pub residual: Option<(f64, f64)>,
     /// Where the error is.
     pub errors: PredictionErrors,
 }
@@ -49,7 +47,5 @@ pub fn predict(model: &Model, recording: &Recording, absolute: bool) -> Result<P
             force.len()
         ));
     }
-    let (error, measured) = errors.all;
-    let residual = (measured > 0.0).then(|| (error, error / measured));
-    Ok(Predicted { force, std, notes, residual, errors })
+    Ok(Predicted { force, std, notes, errors })
 }

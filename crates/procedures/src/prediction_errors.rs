@@ -67,6 +67,13 @@ impl PredictionErrors {
         }
     }
 
+    /// Root mean square of the unfiltered residual, and its share of the force; None where no force was measured.
+    #[must_use]
+    pub fn residual(&self) -> Option<(f64, f64)> {
+        let (error, force) = self.all;
+        (force > 0.0).then(|| (error, error / force))
+    }
+
     /// In words, for a terminal; `unit` is that of the force.
     #[must_use]
     pub fn words(&self, file: &str, unit: &str) -> String {

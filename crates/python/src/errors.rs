@@ -45,7 +45,7 @@ pub(crate) fn of_procedure(error: &procedures::Error) -> PyErr {
     }
 }
 
-/// Why there is no diagnosis.
+/// The exception for a diagnosis that failed.
 pub(crate) fn of_diagnosis(error: &diagnose::Error) -> PyErr {
     match error {
         diagnose::Error::Recording(error) => of_signals(error),

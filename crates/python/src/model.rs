@@ -87,7 +87,7 @@ impl Model {
         let made = work::run(py, None, move |_| {
             predicted::predict(&model, &recording, absolute).map_err(|e| errors::of_procedure(&e))
         })??;
-        Ok((arrays::array(py, made.force), made.notes, made.residual))
+        Ok((arrays::array(py, made.force), made.notes, made.errors.residual()))
     }
 
     fn simulate(

@@ -25,8 +25,8 @@ const CLOSER: usize = 3;
 const SIMPLER: f64 = 0.02;
 /// Smallest gain of a form, as a share of the error above the floor.
 const MATERIAL: f64 = 0.1;
-/// The same, as a share of what the effects with a name explain: their regressors are known about as well as the motion
-/// is, and what an effect leaves of itself is no other physics.
+/// The same, as a share of what the named effects explain. Their regressors are only as exact as the measured motion, so
+/// each leaves a small error of its own, which is no further physics.
 const OF_NAMED: f64 = 5e-4;
 /// The same, as a share of the floor.
 const SEEN: f64 = 0.05;
@@ -61,8 +61,10 @@ fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm]) -> Optio
 pub fn describe(search: &Search, library: &Library, found: &Hypothesis, regimes: &[Regime]) -> Described {
     let design = search.design;
     let mut out = Described { terms: Vec::new(), fit: found.fit.clone(), gains: Vec::new() };
+    let explained = Hypothesis::new(design, Vec::new())
+        .map_or(0.0, |baseline| baseline.fit.heldout_sum() - found.fit.heldout_sum());
     while out.terms.len() < MOST {
-        let Some((term, gain, fit)) = next(search, library, found, &out, regimes) else { break };
+        let Some((term, gain, fit)) = next(search, library, found, explained, &out, regimes) else { break };
         out.terms.push(term);
         out.gains.push(gain);
         out.fit = fit;
@@ -128,10 +130,12 @@ struct Trial {
     fit: Fit,
 }
 
+/// The next form; `explained` is the squared error that the named effects explain.
 fn next(
     search: &Search,
     library: &Library,
     found: &Hypothesis,
+    explained: f64,
     so_far: &Described,
     regimes: &[Regime],
 ) -> Option<(FreeTerm, Gain, Fit)> {
@@ -169,18 +173,16 @@ fn next(
         .collect();
     trials.extend(closer.into_par_iter().filter_map(|(c, knots)| trial(c, knots)).collect::<Vec<_>>());
     let before = so_far.fit.heldout_sum();
-    let named = Hypothesis::new(design, Vec::new())
-        .map_or(0.0, |baseline| baseline.fit.heldout_sum() - found.fit.heldout_sum());
     let material = (MATERIAL * (before - search.floor))
         .max(SEEN * search.floor)
         .max(search.systematic)
-        .max(OF_NAMED * named);
+        .max(OF_NAMED * explained);
     // one after the other, until one holds where it was not fitted
     while let Some(chosen) = simplest(&mut trials) {
         let p = best.iter().find(|(c, _)| *c == chosen.candidate).map_or(1.0, |(_, p)| *p);
         let after = heldout(&chosen);
         let interval = search.gains(&so_far.fit, &chosen.fit);
-        // a form that turns a named effect round takes its place, and is no form beside it
+        // a form that flips the sign of a named effect replaces it instead of adding to it
         let beside = Hypothesis { fit: chosen.fit.clone(), ..found.clone() };
         let clear = p <= LEVEL && interval[0] > 0.0 && before - after >= material && search.physical(&beside);
         let holds = || {
