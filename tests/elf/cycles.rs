@@ -14,7 +14,8 @@ const PLANAR: f64 = 3_260.0;
 /// What a step costs more when it has any effect.
 const HAVING_EFFECTS: f64 = 150.0;
 
-pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
+/// A board with a block that every law can render, in a hand that makes it slide, turn and stick.
+fn handled() -> Board {
     let mut board = Board::ready();
     board.ok("preset use rubber");
     for (name, value) in
@@ -22,8 +23,12 @@ pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
     {
         board.ok(&format!("set {name} {value}"));
     }
-    // slides, turns and sticks
     board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (12.0 * t).sin() - 5.0 * v);
+    board
+}
+
+pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
+    let mut board = handled();
     board.ok("stream on");
     let renderers: String = RendererKind::ALL.iter().map(|r| format!("{:>18}", r.id())).collect();
     println!("{:40}{renderers}", "control interrupt, cycles: mean (worst)");
@@ -84,14 +89,7 @@ pub fn cycles_of_every_law_and_of_a_bond() {
 
 /// What the passivity controller adds to the worst step under every law and renderer.
 pub fn cycles_of_the_passivity_controller() {
-    let mut board = Board::ready();
-    board.ok("preset use rubber");
-    for (name, value) in
-        [("f_static", "3.5"), ("f_dynamic", "3"), ("damping", "4"), ("sigma", "8000"), ("dv", "0.01")]
-    {
-        board.ok(&format!("set {name} {value}"));
-    }
-    board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (12.0 * t).sin() - 5.0 * v);
+    let mut board = handled();
     println!("{:36} {:>6} {:>6} {:>6}", "control interrupt, cycles at worst:", "off", "on", "listed");
     for law in LawKind::ALL {
         board.ok(&format!("set law {}", law.id()));

@@ -27,7 +27,7 @@ pub struct Joint {
 /// One thing that the format cannot hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dropped {
-    /// What, and what stands for it.
+    /// The part of the model that is left out, and what the format has in its place.
     pub what: String,
     /// Root mean square of the force that is lost on the recording, N or N·m; None without a recording.
     pub rms: Option<f64>,

@@ -231,7 +231,7 @@ fn a_pattern_is_no_steeper_than_the_contact_is_stable_with() {
         }
         settings
     };
-    // 2 N over 0.2 mm is 63 kN/m: more than a handle without a block holds beside its own spring
+    // 2 N over 0.2 mm has a slope of 63 kN/m, above the stable stiffness of a handle without a block
     let steep = with(RendererKind::Impedance, "2", "2e-4");
     let refused = steep.validate(&device).expect_err("unstable");
     println!("{refused}");

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Coulomb and viscous friction with break-away in the plane [kikuuwe-2006], see [`crate::Coulomb`]: the force that would
 /// stop the body within this step where the contact holds it, and the nearest one that it holds otherwise.
 ///
-/// Nearest in the metric of the inertia, see [`Grain::nearest`]: the velocity at the end of the step is zero, or normal to
+/// "Nearest" is measured by the inertia, see [`Grain::nearest`]: the velocity at the end of the step is zero, or normal to
 /// the ellipse of forces. So friction never adds to the energy of a step, and at any step length the body comes to rest
 /// in finite time.
 ///

@@ -102,8 +102,8 @@ impl<S: Scalar> Grain<S> {
 
     /// The force on the edge of the ellipse nearest to `force`, which lies outside of it, N.
     ///
-    /// Nearest in the metric of the inertia, which is the same in every direction. Then what is left of `force`, and with
-    /// it the velocity at the end of the step, is normal to the ellipse: the implicit Euler solution of the associated
+    /// "Nearest" is measured by the inertia, which is the same in every direction. Then the difference of the two forces, and
+    /// with it the velocity at the end of the step, is normal to the ellipse: the implicit Euler solution of the associated
     /// law, as [kikuuwe-2006] has it for a disc. In the metric of the ellipse itself the projection would be a mere
     /// scaling of `force`, but associated only for a body as anisotropic as its friction; for any other, friction would
     /// point against the motion, where Dahl's law and the bristles on the same ellipse do not.
@@ -118,7 +118,7 @@ impl<S: Scalar> Grain<S> {
     /// let (grain, pushed) = (Grain::at(0.0, 2.0), Vector { x: 4.0, y: 4.0 });
     /// let force: Vector<f64> = grain.nearest(pushed, 1.0);
     /// assert!((grain.level_of(force) - 1.0).abs() < 1e-12);
-    /// // what is left is normal to the ellipse
+    /// // the difference is normal to the ellipse
     /// let left = pushed - force;
     /// assert!((left.y / left.x - force.y / 4.0 / force.x).abs() < 1e-12);
     /// ```

@@ -239,7 +239,7 @@ proptest! {
         }
     }
 
-    /// What is left of the stopping force is normal to the ellipse of forces: no force that the contact holds is nearer.
+    /// The contact holds no force nearer to the stopping force: their difference is normal to the ellipse.
     #[test]
     fn stopping_force_is_the_nearest_that_the_contact_holds(
         grain in grains(), push in (-30.0..30.0_f64, -30.0..30.0_f64), level in 0.1..5.0_f64,
