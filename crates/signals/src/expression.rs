@@ -1,7 +1,9 @@
 //! Map texts: which variables of a file make which column, `time_s=t,position_m=qm,force_n=gtau*vir`.
 
 use crate::Error;
-use crate::columns::{self, Named, Slot};
+#[cfg(feature = "ros2")]
+use crate::columns::Slot;
+use crate::columns::{self, Named};
 use std::str::FromStr;
 
 /// Parentheses and signs within each other.
@@ -109,6 +111,7 @@ impl Map {
     }
 
     /// The first variable in what makes a column.
+    #[cfg(feature = "ros2")]
     pub(crate) fn first_variable(&self, slot: Slot) -> Option<&str> {
         let entry = self.entries.iter().find(|e| e.column.slot == slot)?;
         let mut first = None;

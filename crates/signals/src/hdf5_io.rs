@@ -21,7 +21,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
     let fail = |why: String| Error::File { file: file.into(), why };
     let opened = File::from_bytes(bytes).map_err(|e| fail(format!("HDF5 that cannot be read: {e}")))?;
     let root = opened.root();
-    let mut found = Found { matlab, variables: Vec::new(), left: limits::unpacked(size), size };
+    let mut found = Found { matlab, variables: Vec::new(), left: limits::total(size), size };
     found.group(&root, "", 0).map_err(fail)?;
     let mut recording = assemble(file, found.variables, wanted)?;
     let attributes = root.attrs().map_err(|e| fail(format!("attributes: {e}")))?;
@@ -111,8 +111,8 @@ impl Found {
             self.variables.push(Variable::other(name, if char { "char" } else { kind }, size));
             return Ok(());
         }
-        let stored = dataset.element_size().map_err(words)?.max(8);
-        self.take(samples.and_then(|n| n.checked_mul(usize::try_from(stored).ok()?)))?;
+        let width = usize::try_from(dataset.element_size().map_err(words)?).map_err(|e| e.to_string())?;
+        self.take(dataset, samples, width, 8)?;
         let values = dataset.read_f64().map_err(words)?;
         if Some(values.len()) != samples {
             return Err(format!("is said to be {shape:?} and has {} elements", values.len()));
@@ -128,10 +128,36 @@ impl Found {
         Ok(())
     }
 
-    /// Takes what a dataset is said to unpack to from what is left.
-    fn take(&mut self, bytes: Option<usize>) -> Result<(), String> {
-        let stated = bytes.unwrap_or(usize::MAX);
-        self.left = self.left.checked_sub(stated).ok_or_else(|| limits::too_much("it", stated, self.size))?;
+    /// Checks what a dataset is said to take, before it is read: `samples` of `width` bytes, and of `memory` once read.
+    fn take(
+        &mut self,
+        dataset: &Dataset,
+        samples: Option<usize>,
+        width: usize,
+        memory: usize,
+    ) -> Result<(), String> {
+        let bytes = |width: usize| samples.and_then(|n| n.checked_mul(width)).unwrap_or(usize::MAX);
+        if let Some(chunk) = dataset.chunk_shape().map_err(|e| e.to_string())? {
+            let elements = chunk.iter().try_fold(width as u64, |n, d| n.checked_mul(*d)).unwrap_or(u64::MAX);
+            let most = limits::stated(self.size);
+            if elements > most as u64 {
+                return Err(limits::too_much("a chunk", elements, most));
+            }
+            let chunks = dataset.chunks().map_err(|e| e.to_string())?.len() as u64;
+            if chunks.saturating_mul(elements) < bytes(width) as u64 {
+                return Err(format!(
+                    "{chunks} chunks of {elements} bytes do not hold the {} bytes it has",
+                    bytes(width)
+                ));
+            }
+        } else if bytes(width) > self.size {
+            return Err(format!("is said to take {} bytes, the file has {}", bytes(width), self.size));
+        }
+        let most = limits::total(self.size);
+        self.left = self
+            .left
+            .checked_sub(bytes(memory))
+            .ok_or_else(|| limits::too_much("it", bytes(memory), most))?;
         Ok(())
     }
 
@@ -142,7 +168,7 @@ impl Found {
             return Ok(());
         };
         let width = usize::try_from(size).map_err(|e| e.to_string())?;
-        self.take(rows.checked_mul(width).and_then(|n| n.checked_mul(2)))?;
+        self.take(dataset, Some(rows), width, width.saturating_mul(2))?;
         let raw = dataset.read_raw().map_err(words)?;
         for member in members {
             let Some(of) = number(&member.datatype) else {

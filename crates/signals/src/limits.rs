@@ -1,17 +1,27 @@
-//! How much a file may unpack to. A length that a damaged file states is checked against it before anything is allocated.
+//! How much memory a file may ask for. What is unpacked grows with what is really there; where a library reserves what a length in
+//! the file says, that length is checked first.
 
-/// Fewest bytes that are granted, however small the file is.
-const FLOOR: usize = 1 << 20;
+/// Least of [`stated`]: the page and the chunk of every usual writer are smaller, however small the file is.
+#[cfg(any(feature = "hdf5", feature = "parquet"))]
+const PIECE: usize = 2 << 20;
 
-/// Bytes that may be unpacked from a file of `bytes`: recordings that a deflater shrinks more than tenfold hold next to no motion.
-pub(crate) fn unpacked(bytes: usize) -> usize {
-    bytes.saturating_mul(10).max(FLOOR)
+/// Least of [`total`].
+const TOTAL: usize = 512 << 20;
+
+/// Largest piece of a file of `bytes` whose size is believed before it is unpacked, bytes.
+#[cfg(any(feature = "hdf5", feature = "parquet"))]
+pub(crate) fn stated(bytes: usize) -> usize {
+    bytes.saturating_mul(10).max(PIECE)
 }
 
-/// What is said of a file that states more.
-pub(crate) fn too_much(what: &str, stated: impl std::fmt::Display, bytes: usize) -> String {
-    let most = unpacked(bytes);
+/// Bytes that a file of `bytes` may unpack to in all.
+pub(crate) fn total(bytes: usize) -> usize {
+    bytes.saturating_mul(10).max(TOTAL)
+}
+
+/// What is said of a file that goes beyond: `what` of it, the bytes that it takes, and those that are accepted.
+pub(crate) fn too_much(what: &str, taken: impl std::fmt::Display, accepted: usize) -> String {
     format!(
-        "{what} is said to take {stated} bytes unpacked; accepted from a file of {bytes} bytes are {most}: the file is damaged, or save it uncompressed"
+        "{what} unpacks to {taken} bytes; accepted are {accepted}: the file is damaged, or save it uncompressed"
     )
 }

@@ -9,6 +9,7 @@
 
 use crate::variables::{Variable, Wanted, assemble};
 use crate::{Error, Geometry, Recording, limits};
+use miniz_oxide::inflate::TINFLStatus;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -130,7 +131,7 @@ fn variables(bytes: &[u8]) -> Result<(Vec<Variable>, Option<String>), String> {
     let mut out = Vec::new();
     let mut about = None;
     // what is unpacked in all stays within this, whatever a variable says of its size
-    let mut left = limits::unpacked(bytes.len());
+    let mut left = limits::total(bytes.len());
     while !reader.bytes.is_empty() {
         let place = reader.offset;
         let at = |why: String| format!("byte {place}: {why}");
@@ -139,7 +140,7 @@ fn variables(bytes: &[u8]) -> Result<(Vec<Variable>, Option<String>), String> {
             MATRIX => data.into(),
             COMPRESSED => {
                 let unpacked = miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(data, left)
-                    .map_err(|e| at(format!("a variable cannot be unpacked: {e}")))?;
+                    .map_err(|e| at(cannot_unpack(e.status, left)))?;
                 left -= unpacked.len();
                 let mut one = Reader { bytes: &unpacked, big, offset: place };
                 match one.element(false).map_err(at)? {
@@ -157,6 +158,13 @@ fn variables(bytes: &[u8]) -> Result<(Vec<Variable>, Option<String>), String> {
         }
     }
     Ok((out, about))
+}
+
+fn cannot_unpack(status: TINFLStatus, left: usize) -> String {
+    match status {
+        TINFLStatus::HasMoreOutput => limits::too_much("a variable", format!("more than {left}"), left),
+        status => format!("a variable cannot be unpacked: {status:?}"),
+    }
 }
 
 enum Array {

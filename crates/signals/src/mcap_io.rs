@@ -27,6 +27,8 @@ const METADATA: u8 = 0x0c;
 
 /// Name of the metadata record of a recording of ours.
 const RECORDING: &str = "recording";
+/// Bytes of the window of a small frame of zstd, at most.
+const SMALL_WINDOW: u64 = 4 << 20;
 /// Most numbers of a JSON message that become series.
 const MOST: usize = 64;
 
@@ -158,27 +160,33 @@ impl Log {
         Ok(())
     }
 
-    /// The records of a chunk.
+    /// The records of a chunk. Memory grows with what is unpacked, not with what is stated.
     fn unpacked(&self, stated: u64, compression: &str, data: &[u8]) -> Result<Vec<u8>, String> {
-        let size = usize::try_from(stated).ok().filter(|n| *n <= limits::unpacked(self.size));
-        let size = size.ok_or_else(|| limits::too_much("a chunk", stated, self.size))?;
+        let most = limits::total(self.size);
+        if usize::try_from(stated).is_ok_and(|n| n > most) {
+            return Err(limits::too_much("a chunk", stated, most));
+        }
         let damaged = |why: String| format!("a chunk cannot be unpacked: {why}");
-        let chunk = match compression {
-            "" => data.to_vec(),
-            "zstd" => zstd::bulk::decompress(data, size).map_err(|e| damaged(e.to_string()))?,
+        let words = |e: std::io::Error| damaged(e.to_string());
+        let mut chunk = Vec::new();
+        match compression {
+            "" => chunk.extend(data),
+            "zstd" => {
+                let mut decoder = zstd::Decoder::with_buffer(data).map_err(words)?;
+                // no frame needs a window larger than what it unpacks to; encoders take some MiB for small ones
+                decoder.window_log_max(stated.max(SMALL_WINDOW).ilog2() + 1).map_err(words)?;
+                decoder.take(stated + 1).read_to_end(&mut chunk).map_err(words)?;
+            }
             "lz4" => {
-                let mut out = Vec::with_capacity(size);
-                let most = size as u64 + 1;
-                let mut decoder = lz4_flex::frame::FrameDecoder::new(data).take(most);
-                decoder.read_to_end(&mut out).map_err(|e| damaged(e.to_string()))?;
-                out
+                let decoder = lz4_flex::frame::FrameDecoder::new(data);
+                decoder.take(stated + 1).read_to_end(&mut chunk).map_err(words)?;
             }
             other => return Err(format!("a chunk compressed by `{other}`; accepted are zstd, lz4 and none")),
-        };
-        if chunk.len() == size {
+        }
+        if chunk.len() as u64 == stated {
             Ok(chunk)
         } else {
-            Err(damaged(format!("{} bytes, {size} are stated", chunk.len())))
+            Err(damaged(format!("{} bytes, {stated} are stated", chunk.len())))
         }
     }
 

@@ -34,7 +34,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
     let schema = metadata.file_metadata().schema_descr();
     let mut variables = Vec::new();
     let mut zero = None;
-    let mut left = limits::unpacked(size);
+    let mut left = limits::total(size);
     for (i, column) in schema.columns().iter().enumerate() {
         let name = column.path().parts().join(".");
         let at = |why: String| fail(format!("column {} ({name}): {why}", i + 1));
@@ -46,12 +46,13 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
             }
         };
         let stated = rows.saturating_mul(8);
-        left = left.checked_sub(stated).ok_or_else(|| at(limits::too_much("it", stated, size)))?;
-        let mut pages = limits::unpacked(size);
+        left = left
+            .checked_sub(stated)
+            .ok_or_else(|| at(limits::too_much("it", stated, limits::total(size))))?;
         let mut values = Values::default();
         for group in 0..metadata.num_row_groups() {
             let about = metadata.row_group(group);
-            check_pages(&bytes, about.column(i), &mut pages).map_err(at)?;
+            check_pages(&bytes, about.column(i)).map_err(at)?;
             let records = usize::try_from(about.num_rows()).ok().filter(|n| values.numbers.len() + n <= rows);
             let records = records.ok_or_else(|| at(format!("more than the {rows} rows of the file")))?;
             let reader = reader.get_row_group(group).and_then(|g| g.get_column_reader(i));
@@ -99,8 +100,9 @@ fn check_footer(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Refuses pages that unpack to more than is `left`, from what their headers say.
-fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData, left: &mut usize) -> Result<(), String> {
+/// Refuses a page that unpacks to more than is believed, from what its header says.
+fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData) -> Result<(), String> {
+    let most = limits::stated(bytes.len());
     // `ColumnChunkMetaData::byte_range` panics where one is negative
     let start = usize::try_from(column.dictionary_page_offset().unwrap_or_else(|| column.data_page_offset()));
     let length = usize::try_from(column.compressed_size());
@@ -110,9 +112,9 @@ fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData, left: &mut usize) -> 
     while !chunk.is_empty() {
         let at = end - chunk.len();
         let page = Walk::new(chunk).page().ok_or_else(|| format!("byte {at}: a damaged page header"))?;
-        *left = left
-            .checked_sub(page.unpacked)
-            .ok_or_else(|| limits::too_much(&format!("byte {at}: a page"), page.unpacked, bytes.len()))?;
+        if page.unpacked > most {
+            return Err(limits::too_much(&format!("byte {at}: a page"), page.unpacked, most));
+        }
         chunk = page
             .header
             .checked_add(page.packed)

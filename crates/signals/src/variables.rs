@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 pub(crate) const NOT_USED: &str = "columns_not_used";
 
 /// Metadata key of the time that `time_s` counts from, ns since 1970.
+#[cfg(any(feature = "parquet", feature = "ros2"))]
 pub(crate) const TIME_ZERO: &str = "time_zero_ns";
 
 /// A variable of a file.
