@@ -8,14 +8,15 @@ use std::path::PathBuf;
 /// Kinds of files, for `--help`.
 const KINDS: &str = "\
 Kinds of files, told by their content, then by the suffix:
-  text       in, out   .csv; cells separated by commas, semicolons, tabs or spaces; a second line of units;
-                       decimal commas where commas separate no cells
+  text       in, out   .csv; cells separated by commas, semicolons, tabs or spaces;
+                       units in a second line; decimal commas where commas separate no cells
   MATLAB     in, out   .mat of version 5 to 7, in also 7.3
   JSON       in        .json, a list of samples or columns
   HDF5       in, out   .h5
   Parquet    in, out   .parquet
   MCAP       in, out   .mcap; in: of tribos, of ROS 2, numbers of JSON messages
-  ROS 2 bag  in        its folder, .db3 or .mcap: sensor_msgs/JointState, geometry_msgs/WrenchStamped
+  ROS 2 bag  in        its folder, .db3 or .mcap; sensor_msgs/JointState and
+                       geometry_msgs/WrenchStamped
 
 Examples:
   tribos convert rec.csv rec.parquet
