@@ -366,3 +366,148 @@ fn seconds(stamp: i64, zero: i64) -> f64 {
 pub(crate) fn is_read(kind: &str) -> bool {
     matches!(kind, JOINT_STATE | WRENCH)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A message with a header, as CDR in the order of the machine's least byte first.
+    struct Message(Vec<u8>);
+
+    impl Message {
+        fn new(stamp: i64) -> Self {
+            let mut out = Self(vec![0, 1, 0, 0]);
+            out.word((stamp / 1_000_000_000) as u32);
+            out.word((stamp % 1_000_000_000) as u32);
+            out.text("");
+            out
+        }
+
+        fn align(&mut self, n: usize) {
+            let body = (self.0.len() - 4).next_multiple_of(n);
+            self.0.resize(4 + body, 0);
+        }
+
+        fn word(&mut self, word: u32) {
+            self.align(4);
+            self.0.extend(word.to_le_bytes());
+        }
+
+        fn text(&mut self, text: &str) {
+            self.word(text.len() as u32 + 1);
+            self.0.extend(text.bytes());
+            self.0.push(0);
+        }
+
+        fn doubles(&mut self, values: &[f64]) {
+            self.align(8);
+            values.iter().for_each(|v| self.0.extend(v.to_le_bytes()));
+        }
+    }
+
+    fn joint(stamp: i64, name: &str, numbers: [&[f64]; 3]) -> Vec<u8> {
+        let mut out = Message::new(stamp);
+        out.word(1);
+        out.text(name);
+        for list in numbers {
+            out.word(list.len() as u32);
+            if !list.is_empty() {
+                out.doubles(list);
+            }
+        }
+        out.0
+    }
+
+    fn force(stamp: i64, z: f64) -> Vec<u8> {
+        let mut out = Message::new(stamp);
+        out.doubles(&[0.0, 0.0, z, 0.0, 0.0, 0.0]);
+        out.0
+    }
+
+    const MS: i64 = 1_000_000;
+    const START: i64 = 1_700_000_000 * 1000 * MS;
+
+    fn read(topics: Topics, map: Option<&str>) -> Result<Recording, String> {
+        let map: Option<Map> = map.map(|text| text.parse().unwrap());
+        topics.assemble("log", &Wanted { map: &|_| map.as_ref(), joint: None }).map_err(|e| e.to_string())
+    }
+
+    /// A joint every 10 ms from 0 to 1 s, without effort, and a force between, every 10 ms where `there` says so.
+    fn log(there: impl Fn(i64) -> bool) -> Topics {
+        let mut topics = Topics::default();
+        for i in 0..=100 {
+            let stamp = START + i * 10 * MS;
+            topics
+                .message("/joints", JOINT_STATE, stamp, &joint(stamp, "j", [&[i as f64], &[1.0], &[]]))
+                .unwrap();
+            let between = stamp + 4 * MS;
+            if there(i) {
+                topics.message("/ft", WRENCH, between, &force(between, (between - START) as f64)).unwrap();
+            }
+        }
+        topics
+    }
+
+    #[test]
+    fn nothing_is_continued_and_gaps_are_not_bridged() {
+        // the sensor begins at 204 ms and pauses between 504 and 604 ms
+        let recording =
+            read(log(|i| i >= 20 && !(51..60).contains(&i)), Some("force_n=/ft:force.z")).unwrap();
+        assert_eq!((recording.time[0], *recording.time.last().unwrap()), (0.21, 1.0));
+        for (t, force) in recording.time.iter().zip(&recording.force) {
+            if *t > 0.504 && *t < 0.604 {
+                assert!(force.is_nan(), "{t}: {force}");
+            } else {
+                assert!((force - t * 1e9).abs() < 1.0, "{t}: {force}");
+            }
+        }
+        assert!(
+            recording.remarks[0].contains("80 of its 101 samples, 10 of them in its gaps"),
+            "{:?}",
+            recording.remarks
+        );
+    }
+
+    #[test]
+    fn a_joint_without_effort_needs_a_force() {
+        let said = read(log(|_| true), None).unwrap_err();
+        assert!(
+            said.contains("joint `j` has no effort; accepted is a map") && said.contains("/ft:{force.x"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn topics_that_do_not_overlap_are_refused() {
+        let mut topics = log(|_| false);
+        for i in 0..3 {
+            let stamp = START + 5000 * MS + i * 10 * MS;
+            topics.message("/ft", WRENCH, stamp, &force(stamp, 1.0)).unwrap();
+        }
+        let said = read(topics, Some("force_n=/ft:force.z")).unwrap_err();
+        assert!(said.contains("/ft:force.z from 5 to 5.02 s, the position from 0 to 1 s"), "{said}");
+    }
+
+    #[test]
+    fn stamps_that_are_not_set_are_the_recorders() {
+        let mut topics = Topics::default();
+        // delivered in another order than recorded
+        for i in [0, 2, 1] {
+            let message = joint(0, "j", [&[i as f64], &[], &[2.0]]);
+            topics.message("/joints", JOINT_STATE, START + i * 10 * MS, &message).unwrap();
+        }
+        let recording = read(topics, None).unwrap();
+        assert_eq!((recording.time, recording.position), (vec![0.0, 0.01, 0.02], vec![0.0, 1.0, 2.0]));
+        assert_eq!(recording.velocity, None);
+        let remarks = recording.remarks.join("; ");
+        assert!(remarks.contains("without stamp") && remarks.contains("sorted by their stamps"), "{remarks}");
+    }
+
+    #[test]
+    fn one_joint_on_two_topics_is_asked_for_by_topic() {
+        let mut topics = log(|_| false);
+        topics.message("/commands", JOINT_STATE, START, &joint(START, "j", [&[0.0], &[], &[]])).unwrap();
+        let said = read(topics, None).unwrap_err();
+        assert!(said.contains("accepted is --joint with one of /joints:j, /commands:j"), "{said}");
+    }
+}

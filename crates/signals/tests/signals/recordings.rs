@@ -49,6 +49,43 @@ fn an_axis_and_other_delimiters() {
 }
 
 #[test]
+fn units_decimal_signs_and_spaces() {
+    let r = csv("time [ms];Position (mm);force;note\n;;N;-\n0;1,5;2;a\n500;-2,5e1;3;b\n").unwrap();
+    assert_eq!((r.time, r.position, r.force), (vec![0.0, 0.5], vec![0.0015, -0.025], vec![2.0, 3.0]));
+    assert_eq!(r.remarks, ["converted: time [ms] from ms to s, Position (mm) from mm to m"]);
+    let r = csv("  time_s \"position_rad\"   torque_nm\n 0   1\t 2\n1 2 3 \n").unwrap();
+    assert_eq!(r.force, [2.0, 3.0]);
+    let r = csv("t;x;F\nms;mm;N\n0;1;2\n1;2;3\n");
+    refused(r, &["rec.csv:1", "no column time_s", "t, x, F"]);
+    let r = mapped("t;x;F\nms;mm;N\n0;1;2\n500;2;3\n", "time_s=t/1000,position_m=x/1000,force_n=F").unwrap();
+    assert_eq!(
+        (r.time, &*r.remarks[0]),
+        (vec![0.0, 0.5], "the map computes with the numbers of the file: t in ms, x in mm")
+    );
+
+    refused(
+        csv("time;position;force\ns;counts;N\n0;1;2\n"),
+        &["rec.csv:1: column 2 (position)", "counts", "map"],
+    );
+    refused(
+        csv("time;position;force\ns;parsec;N\n0;1;2\n"),
+        &["column 2 (position)", "`parsec`", "accepted are s, ms"],
+    );
+    refused(
+        csv("time_s;position_m;force_n\ns;mm;N\n0;1;2\n"),
+        &["column 2 (position_m)", "in m by its name and in mm"],
+    );
+    refused(
+        csv("time;position;force\ns;mm;Nm\n0;1;2\n"),
+        &["column 3 (force)", "a slide or an axis, not both"],
+    );
+    let mixed = "time_s;position_m;force_n\n0;1,5;2\n1;1.5;2\n";
+    refused(csv(mixed), &["rec.csv:3: column 2 (position_m)", "`1.5`", "another decimal sign than line 2"]);
+    refused(csv("time_s;position_m;force_n\n0;1.000,5;2\n"), &["rec.csv:2: column 2", "not a number"]);
+    refused(csv("time_s position_m force_n\n0 1\n"), &["rec.csv:2", "2 cells", "3"]);
+}
+
+#[test]
 fn missing_values_are_kept_for_the_audit() {
     let mut text = String::from("time_s,position_m,force_n\n");
     for i in 0..100 {
