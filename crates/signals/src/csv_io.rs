@@ -230,7 +230,9 @@ impl<'a> Table<'a> {
                     );
                     self.error(Some(*line), Some(i), cell.trim(), accepted)
                 })?;
-                if let Some(sign) = cell.chars().find(|c| matches!(c, '.' | ',')) {
+                if self.separator != Separator::Character(b',')
+                    && let Some(sign) = cell.chars().find(|c| matches!(c, '.' | ','))
+                {
                     match self.decimal.get() {
                         None => self.decimal.set(Some((sign, *line))),
                         Some((other, at)) if other != sign => {
