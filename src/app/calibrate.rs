@@ -7,7 +7,7 @@ use super::Telemetry;
 use super::answer::{Line, err};
 use core::fmt::{self, Write};
 use haptics::number::Text;
-use haptics::{Channel, Device};
+use haptics::{Channel, Device, Inputs};
 use heapless::Vec;
 use link::Sensor;
 
@@ -212,7 +212,7 @@ impl Calibration {
             Sensor::Load => &mut self.load,
             Sensor::Accel => &mut self.accel,
         };
-        let top = 65_520_u16.saturating_sub(device.rail_codes);
+        let top = Inputs::TOP_CODE.saturating_sub(device.rail_codes);
         // a long line is truncated
         let (refusal, _) = if average.travel > STILL {
             (

@@ -58,8 +58,9 @@ impl ControlLoop {
         let listens = raise.is_none() && !off && !configured && ends.requests.ready();
         let asked = if listens { ends.requests.peek() } else { None };
         let overtaken = asked.is_some() && self.overtaken > 0;
-        // a promise has no answer
-        let answered = configured || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. }));
+        // a promise and an alarm have no answer
+        let answered = configured
+            || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. } | Request::Raise(_)));
         let taken = asked.is_some();
         let request = if off { Some(&Request::Off) } else { raise.as_ref() };
         let request = request.or(if overtaken { None } else { asked });

@@ -13,10 +13,12 @@ use crate::presets::NotStored;
 use core::fmt::Write;
 use haptics::number::Text;
 use haptics::{
-    Config, Denied, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver,
+    Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused, Request,
+    Settings, Solver,
 };
 use link::{
     BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector, PresetStore, Sensor,
+    Watch,
 };
 
 /// Preset after a start without a default.
@@ -62,7 +64,11 @@ pub struct Desk {
     cleared: bool,
     /// Control periods that the tasks missed.
     unseen: u32,
-    watch_s: f32,
+    watch: Watch,
+    /// Slow checks, their limits, and the fault they have found.
+    monitor: Monitor,
+    limits: Limits,
+    alarm: Option<FaultKind>,
     /// Time of the last byte of the host since its last promise, ms.
     heard: bool,
     promised_ms: u32,
@@ -97,7 +103,10 @@ impl Desk {
             fault: None,
             cleared: false,
             unseen: 0,
-            watch_s: WATCH_S,
+            watch: Watch { seconds: WATCH_S, rendering: false },
+            monitor: Monitor::default(),
+            limits: Limits::default(),
+            alarm: None,
             heard: false,
             promised_ms: 0,
             push: false,
@@ -203,6 +212,12 @@ impl Desk {
         while let Some(telemetry) = ends.telemetry.dequeue() {
             self.see(&telemetry);
         }
+        if let Some(kind) = self.alarm.take() {
+            // the pin falls at once; the loop keeps it low and latches the fault
+            board.off();
+            // no room: the next poll tries again
+            self.alarm = ends.ask.enqueue(Request::Raise(kind)).err().map(|_| kind);
+        }
         if self.pending.as_ref().is_some_and(|(_, since)| board.now_ms().wrapping_sub(*since) > PATIENCE_MS) {
             self.pending = None;
             self.err("NO_ANSWER", "the control loop is not running; see `fault`, or restart the device");
@@ -218,11 +233,16 @@ impl Desk {
     /// Passes on the promise of a host that drives the handle: the loop withdraws force when no bytes come.
     fn promise(&mut self, now: u32, ends: &mut DeskEnds<'_>) {
         let due = self.heard && now.wrapping_sub(self.promised_ms) >= PROMISE_MS;
-        if due && self.last.is_some_and(|t| t.outputs.mode.is_driven()) {
+        if due && self.last.is_some_and(|t| self.is_watched(t.outputs.mode)) {
             // no room: the next poll tries again
-            self.heard = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s }).is_err();
+            self.heard = ends.ask.enqueue(Request::HostWatch { seconds: self.watch.seconds }).is_err();
             self.promised_ms = now;
         }
+    }
+
+    /// Whether the host must report in this mode.
+    fn is_watched(&self, mode: ModeId) -> bool {
+        mode.is_driven() || (self.watch.rendering && mode == ModeId::Rendering)
     }
 
     fn say(&mut self, line: &Line) {
@@ -335,6 +355,12 @@ impl Desk {
             }
         }
         self.last = Some(*telemetry);
+        let (inputs, outputs) = (&telemetry.inputs, &telemetry.outputs);
+        let found = self.monitor.sample(&self.device, &self.limits, telemetry.step, inputs, outputs);
+        // the self-test looks for the same and says more
+        if outputs.amplifier && self.selftest.is_none() {
+            self.alarm = self.alarm.or(found);
+        }
         // the report of a step is here before its telemetry
         let due = |next: &OriginReport| telemetry.step.wrapping_sub(next.step) as i32 >= 0;
         if let Some(next) = self.next_origin.take_if(|next| due(next)) {
@@ -457,13 +483,18 @@ impl Desk {
             Command::Render(on) => {
                 let limited = self.last.is_some_and(|t| !t.outputs.referenced);
                 let most = limited.then(|| self.device.unreferenced_force());
-                self.ask(Request::Render(on), Pending::Render(on, most), now, ends);
+                let (request, pending) = (Request::Render(on), Pending::Render(on, most));
+                if on && self.watch.rendering {
+                    self.drive(request, pending, now, ends);
+                } else {
+                    self.ask(request, pending, now, ends);
+                }
             }
             Command::Zero => self.ask(Request::Zero, Pending::Zero, now, ends),
             Command::Home => self.drive(Request::Home, Pending::Home, now, ends),
             Command::Move(excitation) => match excitation.validate(&self.device) {
                 Ok(()) => {
-                    let pending = Pending::Move(excitation, self.watch_s);
+                    let pending = Pending::Move(excitation, self.watch.seconds);
                     self.drive(Request::Excite(excitation), pending, now, ends);
                 }
                 Err(refused) => self.err("REFUSED", refused),
@@ -484,7 +515,9 @@ impl Desk {
                 self.ok(format_args!("stream on, every {decimation} periods"));
                 self.stream = Some(Stream::new(decimation, self.preset.clone()));
             }
-            Command::Watch(seconds) => self.watch(seconds),
+            Command::Watch(watch) => self.watch(watch, ends),
+            Command::Limit(None) => self.tell_limits(),
+            Command::Limit(Some((name, value))) => self.limit(name, value),
             Command::Calibrate(step) => self.calibrate(step, now, ends, board),
             Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", Text(1.0 / self.device.period))),
             Command::Rate(Some(hz)) => self.rate(hz, now, ends),
@@ -518,7 +551,7 @@ impl Desk {
     fn drive(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
         self.ask(request, pending, now, ends);
         // without room, the next bytes send it
-        let _ = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s });
+        let _ = ends.ask.enqueue(Request::HostWatch { seconds: self.watch.seconds });
     }
 
     /// Sends a request to the control loop. The answer follows once it is handled.
@@ -533,13 +566,56 @@ impl Desk {
         self.err("BUSY", "the control loop has pending requests; try again");
     }
 
-    fn watch(&mut self, seconds: Option<f32>) {
-        self.watch_s = seconds.unwrap_or(self.watch_s);
-        match self.watch_s {
-            0.0 => self.ok(format_args!("watch off: no limit on the silence of the host")),
-            seconds => {
-                self.ok(format_args!("watch {} s: force off after this silence of the host", Text(seconds)))
+    fn watch(&mut self, watch: Option<Watch>, ends: &mut DeskEnds<'_>) {
+        if let Some(watch) = watch {
+            if self.watch.rendering && !watch.rendering && self.last_mode() == Some(ModeId::Rendering) {
+                // without room the old promise stays, which the answer shows
+                if ends.ask.enqueue(Request::HostWatch { seconds: 0.0 }).is_err() {
+                    return self.busy();
+                }
             }
+            self.watch = watch;
+        }
+        let rendering = if self.watch.rendering { ", also while rendering" } else { "" };
+        match self.watch.seconds {
+            0.0 => self.ok(format_args!("watch off: no limit on the silence of the host")),
+            seconds => self.ok(format_args!(
+                "watch {} s: force off after this silence of the host{rendering}",
+                Text(seconds)
+            )),
+        }
+    }
+
+    fn last_mode(&self) -> Option<ModeId> {
+        self.last.map(|t| t.outputs.mode)
+    }
+
+    fn tell_limits(&mut self) {
+        let mut line = Line::new();
+        let _ = line.write_str("ok limit");
+        for (name, unit, what) in Limits::ALL {
+            let value = Text(self.limits.get(name).unwrap_or(f32::NAN));
+            let _ = write!(line, "; {name} {value} {unit}: {what}");
+        }
+        let _ = write!(line, "; motor at {:.0} % of its heat", Text(100.0 * self.monitor.heat()));
+        self.say(&line);
+    }
+
+    fn limit(&mut self, name: &str, value: f32) {
+        let Some(limits) = self.limits.with(name, value) else {
+            let [a, b, c] = Limits::ALL.map(|(name, ..)| name);
+            return self.err("UNKNOWN_PARAMETER", format_args!("`{name}`: expected one of {a}, {b}, {c}"));
+        };
+        match limits.validate(&self.device) {
+            Ok(()) => {
+                self.limits = limits;
+                let unit = Limits::ALL
+                    .into_iter()
+                    .find(|(known, ..)| *known == name)
+                    .map_or("", |(_, unit, _)| unit);
+                self.ok(format_args!("limit {name} {} {unit}", Text(value)));
+            }
+            Err(refused) => self.err("REFUSED", refused),
         }
     }
 

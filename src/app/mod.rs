@@ -2,6 +2,7 @@
 
 mod answer;
 mod calibrate;
+mod contact;
 mod control_loop;
 mod desk;
 mod listing;
@@ -10,6 +11,7 @@ mod output;
 mod selftest;
 mod stream;
 
+pub use contact::{Contact, Lamp};
 pub use control_loop::ControlLoop;
 pub use desk::Desk;
 pub use off::{Listener, OffSwitch};

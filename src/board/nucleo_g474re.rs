@@ -10,6 +10,7 @@
 //! | accelerometer | PC1 | A4 | ADC1 input 7, likewise |
 //! | amplifier enable | PB5 | D4 | TIM3 channel 2, high: on. **Fit 10 kΩ to ground**: the pin floats while the chip is in reset |
 //! | emergency stop | PC7 | D9 | closed to ground: run. Open, pressed or broken wire: fault. Without a switch fit a bridge |
+//! | amplifier fault | PB10 | D6 | closed to ground: healthy. Open or broken wire: fault while force is on. Without one fit a bridge |
 //! | serial line | PA2, PA3 | ST-LINK | LPUART1, 921 600 baud, the virtual COM port of the board |
 //! | alive | PA5 | LD2 | blinks while the loop is healthy |
 //!
@@ -46,6 +47,9 @@
 //!
 //! **Emergency stop.** Open for three periods: the enable line falls in the third, independent of the control step, and the fault
 //! is raised every other period while the switch is open, so that `clear` has no effect.
+//!
+//! **Amplifier fault.** Open for three periods in which the amplifier is enabled: likewise. It is not read while the amplifier is
+//! disabled: many report a fault then, or have no supply.
 
 pub mod black_box;
 mod ccm;
@@ -58,7 +62,7 @@ mod setup;
 pub use setup::ResetCause;
 
 use super::Board;
-use crate::app::{ControlEnds, ControlLoop, Earlier};
+use crate::app::{Contact, ControlEnds, ControlLoop, Earlier, Lamp};
 use crate::presets::NotStored;
 use core::sync::atomic::{
     AtomicBool, AtomicPtr, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
@@ -99,7 +103,6 @@ const PACE_DIVIDER: u32 = 4;
 const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000 * (LATCH_NS / 100) / 10_000;
 /// Ticks of a control period after a start.
 const PERIOD_TICKS: u32 = TICK_HZ / LOOP_HZ;
-const STOP_PIN: usize = 7;
 /// Longest time from the stamp of a sample to the reading of its edge, ticks: 6 µs.
 const SAMPLING_TICKS: u32 = 1_000;
 
@@ -116,16 +119,12 @@ struct Loop {
     pending: Option<FaultKind>,
     /// Consecutive steps whose force came out late.
     late: u32,
-    /// Consecutive periods with an open emergency stop.
-    stop_open: u32,
     /// Period of the timers, ticks.
     period_ticks: u32,
     /// Whether a fault of the board was raised in the last period.
     raised: bool,
 }
 
-/// Consecutive open periods that are an emergency stop. Shorter is contact bounce.
-const STOP_PERIODS: u32 = 3;
 /// Consecutive late forces that are a fault: the bounds on stiffness and damping hold for [`DELAY_S`], and a late force comes a
 /// period later.
 const LATE_STEPS: u32 = 3;
@@ -133,13 +132,11 @@ const LATE_STEPS: u32 = 3;
 impl Loop {
     fn step(&mut self) {
         let inputs = self.hardware.sample();
-        self.stop_open = if pac::GPIOC.idr().read().idr(STOP_PIN) == pac::gpio::vals::Idr::HIGH {
-            self.stop_open.saturating_add(1)
-        } else {
-            0
-        };
-        let trouble = if self.stop_open >= STOP_PERIODS {
+        let amplifier = self.hardware.amplifier_fault.is_open(self.hardware.enabled);
+        let trouble = if self.hardware.emergency_stop.is_open(true) {
             Some(FaultKind::EmergencyStop)
+        } else if amplifier {
+            Some(FaultKind::Amplifier)
         } else if SUPPLY_LOW.load(Relaxed) {
             Some(FaultKind::BrownOut)
         } else {
@@ -239,7 +236,8 @@ fn PVD_PVM() {
 /// Peripherals that the control step uses through registers.
 struct Hardware {
     _adc: InjectedAdc<'static, ADC1, 2>,
-    _emergency_stop: Input<'static>,
+    emergency_stop: Contact<Input<'static>>,
+    amplifier_fault: Contact<Input<'static>>,
     /// Whether the last step wanted the amplifier.
     enabled: bool,
 }
@@ -321,7 +319,7 @@ pub struct Peripherals {
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
-    pub led: Output<'static>,
+    pub led: Lamp<Output<'static>>,
     /// Reason of the start.
     pub reset_cause: ResetCause,
 }
@@ -373,10 +371,15 @@ impl Peripherals {
             true,
         );
         Self {
-            hardware: Hardware { _adc: adc, _emergency_stop: Input::new(p.PC7, Pull::Up), enabled: false },
+            hardware: Hardware {
+                _adc: adc,
+                emergency_stop: Contact::new(Input::new(p.PC7, Pull::Up)),
+                amplifier_fault: Contact::new(Input::new(p.PB10, Pull::Up)),
+                enabled: false,
+            },
             console,
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
-            led: Output::new(p.PA5, Level::Low, Speed::Low),
+            led: Lamp::new(Output::new(p.PA5, Level::Low, Speed::Low)),
             reset_cause,
         }
     }
@@ -402,7 +405,6 @@ impl Peripherals {
             ends,
             pending: boot_fault,
             late: 0,
-            stop_open: 0,
             raised: false,
             period_ticks: PERIOD_TICKS,
         });
@@ -429,7 +431,7 @@ pub struct Rest {
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
-    pub led: Output<'static>,
+    pub led: Lamp<Output<'static>>,
     /// Executor above the tasks.
     pub listener: SendSpawner,
 }

@@ -21,7 +21,7 @@ mod off;
 mod preset;
 pub mod reply;
 
-pub use command::{BadCommand, Calibrate, Command, PresetCommand, Sensor};
+pub use command::{BadCommand, Calibrate, Command, PresetCommand, Sensor, Watch};
 pub use decoder::{Corrupt, Decoder, Item};
 pub use frame::{Channel, Frame, Header, MAX_WIRE, Sample, decode_payload, encode};
 pub use help::{HELP, HelpLine};

@@ -429,6 +429,16 @@ impl Machine {
         self.shared.soc().press_stop(pressed);
     }
 
+    /// The amplifier reports a fault, or is healthy again.
+    pub fn set_amplifier_fault(&mut self, faulty: bool) {
+        self.shared.soc().amplifier_fault = faulty;
+    }
+
+    /// Breaks or repairs the wire of the force command. Without it the amplifier's input is at 0 V: the full negative force.
+    pub fn break_command(&mut self, broken: bool) {
+        self.shared.soc().world.command_broken = broken;
+    }
+
     /// Writes a register like a hardware fault.
     pub fn poke(&mut self, address: u32, value: u32) {
         self.shared.soc().write(address, value, self.now);

@@ -47,6 +47,7 @@ const ENABLE_FUNCTION: u32 = 2;
 const ENABLE_TIMER: usize = 1;
 const ENABLE_CHANNEL: u32 = 2;
 const STOP_PIN: u32 = 7;
+const AMPLIFIER_FAULT_PIN: u32 = 10;
 
 /// Indices of timers: TIM2 is 0.
 const ENCODER: usize = 0;
@@ -66,6 +67,8 @@ pub(crate) struct Soc {
     other: HashMap<u32, u32>,
     pub world: World,
     stop_pressed: bool,
+    /// The amplifier's fault output is open.
+    pub amplifier_fault: bool,
     pub injector: Option<Injector>,
     /// Edges of the encoder at an even pace, instead of those of the rig.
     pub pulses: Option<Pulses>,
@@ -98,6 +101,7 @@ impl Soc {
             other: HashMap::new(),
             world,
             stop_pressed: false,
+            amplifier_fault: false,
             injector: None,
             pulses: None,
             capture_lag: CAPTURE_LAG_CYCLES,
@@ -198,6 +202,7 @@ impl Soc {
             FLASH..0x4002_2400 => self.flash.read(offset, now),
             GPIOA..0x4800_1c00 => {
                 self.gpio[2].drive(STOP_PIN, self.stop_pressed);
+                self.gpio[1].drive(AMPLIFIER_FAULT_PIN, self.amplifier_fault);
                 self.gpio[((address - GPIOA) / 0x400) as usize].read(offset)
             }
             ADC1..DAC1 => {
