@@ -466,10 +466,11 @@ impl Desk {
         match command {
             Command::Help => self.begin_list(format_args!("help"), Listing::Help, board),
             Command::Version => self.ok(format_args!(
-                "tribos {} on {}, {:.0} Hz",
+                "tribos {} on {}, {:.0} Hz, {}",
                 env!("CARGO_PKG_VERSION"),
                 board.name(),
-                Text(1.0 / self.device.period)
+                Text(1.0 / self.device.period),
+                board.clock()
             )),
             Command::Status => self.status(board),
             Command::Fault => self.tell_fault(board),
@@ -684,6 +685,9 @@ impl Desk {
         let _ = answer::handle(&t, &self.device, &mut line);
         let (step, late, unseen) = (t.step, board.late_steps(), self.unseen);
         let _ = write!(line, ", step {step}, {late} late, {unseen} missed by the console");
+        if board.clock_is_off() {
+            let _ = line.write_str(", internal clock (1 %)");
+        }
         if let Some(stream) = &self.stream {
             let _ = write!(line, ", stream on, {} frames dropped", stream.dropped());
         }

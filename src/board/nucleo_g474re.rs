@@ -42,6 +42,9 @@
 //! chip within [`WATCHDOG_US`]. After an unexpected reset the loop starts with a latched fault that gives
 //! the reason: `watchdog`, `panic`, `crash`, `brown_out`.
 //!
+//! **Clock.** 170 MHz from the crystal X3. If it does not start, from the internal oscillator, which `version` and `status` say. If
+//! it stops, the clock security system interrupts: force off, and a restart with the fault `clock`.
+//!
 //! **Brown-out.** When VDD falls below 2.9 V the voltage detector's interrupt drops the enable line within
 //! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR).
 //!
@@ -176,6 +179,8 @@ impl Loop {
 
 /// State of the control interrupt: passed once, before it is enabled, and owned by it from then on.
 static LOOP: AtomicPtr<Loop> = AtomicPtr::new(core::ptr::null_mut());
+/// The crystal did not start.
+static INTERNAL_CLOCK: AtomicBool = AtomicBool::new(false);
 /// The supply is below the threshold of the voltage detector.
 static SUPPLY_LOW: AtomicBool = AtomicBool::new(false);
 static STEPS: AtomicU32 = AtomicU32::new(0);
@@ -330,7 +335,10 @@ impl Peripherals {
     pub fn boot() -> Self {
         setup::boost();
         setup::stack_floats_at_once();
-        let p = embassy_stm32::init(setup::clocks());
+        let crystal = setup::start_crystal();
+        let p = embassy_stm32::init(setup::clocks(crystal));
+        setup::full_speed(crystal);
+        INTERNAL_CLOCK.store(!crystal, Relaxed);
         setup::prefetch();
         setup::freeze_watchdog_for_debuggers();
         let reset_cause = setup::reset_cause();
@@ -456,6 +464,18 @@ impl Board for Nucleo {
 
     fn off(&mut self) {
         enable::drop_now();
+    }
+
+    fn clock(&self) -> &'static str {
+        if self.clock_is_off() {
+            "internal clock, off by up to 1 %: the crystal does not start"
+        } else {
+            "crystal"
+        }
+    }
+
+    fn clock_is_off(&self) -> bool {
+        INTERNAL_CLOCK.load(Relaxed)
     }
 
     fn late_steps(&self) -> u32 {

@@ -347,6 +347,10 @@ impl Board for SimulatedBoard {
         self.milliseconds as u32
     }
 
+    fn clock(&self) -> &'static str {
+        "virtual time"
+    }
+
     fn late_steps(&self) -> u32 {
         0
     }

@@ -9,6 +9,7 @@ extern crate untested;
 mod agreement;
 mod black_box;
 mod board;
+mod clock;
 mod cycles;
 mod endurance;
 mod flash;
@@ -45,6 +46,9 @@ fn main() -> ExitCode {
             agreement::target_and_host_search_the_stops_bit_for_bit,
             black_box::a_reset_reports_its_reason_and_motion,
             black_box::a_crash_keeps_the_first_fault,
+            clock::a_board_without_its_crystal_runs_and_says_so,
+            clock::a_crystal_that_stops_takes_the_force_and_the_device_goes_on_without_it,
+            clock::an_internal_clock_off_by_one_percent_loses_no_step_and_no_byte,
             cycles::every_law_under_every_renderer_stays_within_the_cycles_of_a_step,
             cycles::cycles_of_every_law_and_of_a_bond,
             cycles::cycles_of_every_effect,

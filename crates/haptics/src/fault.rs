@@ -88,7 +88,7 @@ kinds! {
         /// I²t from the command.
         MotorHot = 19, "motor_hot", "the motor took more force than it bears for this long; let it cool for a minute";
         /// The crystal stopped.
-        Clock = 20, "clock", "the crystal of the board stopped; the device restarted on its internal clock, which is off by up to 1 %";
+        Clock = 20, "clock", "the crystal of the board stopped, and the device restarted; `version` shows whether the crystal runs again";
     }
 }
 

@@ -17,8 +17,8 @@
 //! travel [`TRAVEL`], which no stop lets it.
 //!
 //! **Sensors.** A converter whose code does not change at all for [`FROZEN_S`] measures nothing: 16 summed conversions of a
-//! live signal have noise. An accelerometer that floats has noise, but does not follow the encoder: from one block of
-//! [`BLOCK_MS`] to the next it must show at least half of the energy of the change of speed.
+//! live signal have noise. An accelerometer that floats has noise, but does not follow the encoder: over blocks of [`BLOCK_MS`] it
+//! must show at least half of the energy of the second differences of the speed.
 //!
 //! **Heat.** I²t from the command: the square of the force, as a share of that of [`Limits::continuous_force`], through the
 //! thermal time constant of the motor.
@@ -43,11 +43,11 @@ const BLOCK_MS: u32 = 20;
 const KEEP: f32 = 0.95;
 /// Blocks of motion that must disagree.
 const BLOCKS: u32 = 10;
-/// Smallest rms change of speed from block to block that is judged, m/s: three times the noise of the accelerometer of
+/// Smallest rms second difference of the speed that is judged, m/s: three times the noise of the accelerometer of
 /// [thesis, table 3-2].
 const CHANGE: f32 = 4e-3;
 /// Acceleration of an impact, m/s². Samples cannot follow it, so its blocks are left out.
-const IMPACT: f32 = 60.0;
+const IMPACT: f32 = 40.0;
 /// Share of the energy that the accelerometer may leave unexplained.
 const SHARE: f32 = 0.5;
 
@@ -140,8 +140,8 @@ impl Default for Limits {
 /// State of the slow checks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Monitor {
-    /// Number, force and velocity of the last step.
-    last: Option<(u32, f32, f32)>,
+    /// Number, force, velocity and count of the last step.
+    last: Option<(u32, f32, f32, u32)>,
     sum: Sum,
     balance: Balance,
     load: Frozen,
@@ -176,10 +176,11 @@ impl Monitor {
         outputs: &Outputs,
     ) -> Option<FaultKind> {
         let on = outputs.amplifier;
-        let last = self.last.replace((step, outputs.force, outputs.velocity));
+        let last = self.last.replace((step, outputs.force, outputs.velocity, inputs.count));
         let frozen = self.load.sample(inputs.load_code, device.period)
             | self.accel.sample(inputs.accel_code, device.period);
-        let Some((_, force, velocity)) = last.filter(|(before, ..)| step.wrapping_sub(*before) == 1) else {
+        let Some((_, force, velocity, count)) = last.filter(|(before, ..)| step.wrapping_sub(*before) == 1)
+        else {
             // periods were missed: what they had is unknown
             (self.sum, self.balance) = (Sum::default(), Balance::default());
             self.follow.skip();
@@ -193,16 +194,17 @@ impl Monitor {
         sum.load += device.load.to_si(inputs.load_code) * period;
         sum.accel += device.accel.to_si(inputs.accel_code) * period;
         sum.speed += outputs.velocity - velocity;
-        sum.travel += outputs.velocity * period;
+        sum.travel += inputs.count.wrapping_sub(count) as i32 as f32 * device.metre_per_count;
         if sum.seconds < 0.999e-3 {
             return None;
         }
         let sum = core::mem::take(sum);
         let bearable = limits.continuous_force * limits.continuous_force;
         self.heat += (sum.squared / bearable - self.heat * sum.seconds) / limits.heating_s;
-        let follows = self.follow.sample(&sum);
-        if !on || outputs.mode == ModeId::Homing {
-            // a search leans on the stops
+        // a search leans on the stops, and hits them
+        let judged = outputs.mode != ModeId::Homing;
+        let follows = !judged || self.follow.sample(&sum);
+        if !on || !judged {
             self.balance = Balance::default();
         } else if self.balance.sample(device, limits, &sum, outputs) {
             return Some(FaultKind::ForceContradicted);
@@ -281,15 +283,20 @@ impl Frozen {
     }
 }
 
-/// Whether the accelerometer follows the encoder. Differences from block to block are free of its offset.
+/// Whether the accelerometer follows the encoder: mean speeds of three blocks, whose second difference is free of the offset
+/// of the accelerometer. The encoder's come from its counts, which need no estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Follow {
     milliseconds: u32,
-    /// Change of speed in this block by encoder and accelerometer, m/s, and in the one before.
-    now: [f32; 2],
-    before: Option<[f32; 2]>,
+    seconds: f32,
+    /// Speed by the accelerometer since the last pause, m/s.
+    speed: f32,
+    /// Path in this block by the encoder and by the accelerometer, m.
+    path: [f32; 2],
+    /// Mean speeds of the two blocks before, m/s.
+    before: [Option<[f32; 2]>; 2],
     impact: bool,
-    /// Mean squares of the change from block to block, and of what the accelerometer leaves of it.
+    /// Mean squares of the encoder's second differences, and of what the accelerometer leaves of them.
     moved: f32,
     missed: f32,
     /// Consecutive blocks that disagree.
@@ -298,14 +305,16 @@ struct Follow {
 
 impl Follow {
     fn skip(&mut self) {
-        (self.milliseconds, self.now, self.before, self.impact) = (0, [0.0; 2], None, false);
+        *self = Self { moved: self.moved, missed: self.missed, blocks: self.blocks, ..Self::default() };
     }
 
     fn sample(&mut self, sum: &Sum) -> bool {
         let impact = IMPACT * sum.seconds;
         self.impact |= sum.speed.abs() > impact || sum.accel.abs() > impact;
-        self.now[0] += sum.speed;
-        self.now[1] += sum.accel;
+        self.path[0] += sum.travel;
+        self.path[1] += (self.speed + 0.5 * sum.accel) * sum.seconds;
+        self.speed += sum.accel;
+        self.seconds += sum.seconds;
         self.milliseconds += 1;
         if self.milliseconds < BLOCK_MS {
             return self.blocks < BLOCKS;
@@ -314,15 +323,16 @@ impl Follow {
             self.skip();
             return self.blocks < BLOCKS;
         }
-        let now = core::mem::take(&mut self.now);
-        self.milliseconds = 0;
-        if let Some(before) = self.before.replace(now) {
-            let (moved, shown) = (now[0] - before[0], now[1] - before[1]);
+        let mean = self.path.map(|path| path / self.seconds);
+        if let [Some(a), Some(b)] = self.before {
+            let [moved, shown] = core::array::from_fn(|k| mean[k] - 2.0 * b[k] + a[k]);
             self.moved = KEEP * self.moved + (1.0 - KEEP) * moved * moved;
             self.missed = KEEP * self.missed + (1.0 - KEEP) * (moved - shown) * (moved - shown);
             let disagree = self.moved > CHANGE * CHANGE && self.missed > SHARE * self.moved;
             self.blocks = if disagree { self.blocks + 1 } else { 0 };
         }
+        self.before = [self.before[1], Some(mean)];
+        (self.milliseconds, self.seconds, self.path) = (0, 0.0, [0.0; 2]);
         self.blocks < BLOCKS
     }
 }

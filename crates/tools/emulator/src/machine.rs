@@ -286,7 +286,8 @@ impl Machine {
         self.next = soc.next_event();
         self.shared.waits().set(soc.flash.acr());
         let due = soc.watchdog_due(self.now);
-        let (nmi, power_lost) = (std::mem::take(&mut soc.flash.nmi), soc.flash.power_lost);
+        let nmi = std::mem::take(&mut soc.flash.nmi) | std::mem::take(&mut soc.rcc.nmi);
+        let power_lost = soc.flash.power_lost;
         drop(soc);
         // a pulse: rsemu would take a level again until the handler clears it
         self.cpu.set_nmi(nmi);
@@ -442,6 +443,18 @@ impl Machine {
     /// Writes a register like a hardware fault.
     pub fn poke(&mut self, address: u32, value: u32) {
         self.shared.soc().write(address, value, self.now);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// The crystal stops, or oscillates again.
+    pub fn set_crystal(&mut self, oscillates: bool) {
+        self.shared.soc().rcc.set_crystal(oscillates);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// Deviation of the internal oscillator, parts in 10 000: 100 is 1 %.
+    pub fn set_internal_clock_error(&mut self, parts: i64) {
+        self.shared.soc().rcc.hsi_error = parts;
         self.shared.touched.store(true, Relaxed);
     }
 
