@@ -2,15 +2,15 @@
 
 use embedded_hal::digital::{InputPin, StatefulOutputPin};
 
-/// Consecutive open periods that are trouble. Shorter is bounce, or a spark.
-const PERIODS: u32 = 3;
+/// Last periods that are all open in trouble: three. Shorter is bounce, or a spark.
+const PERIODS: u8 = 0b111;
 
 /// A contact that is closed to ground while all is well, with a pull-up: open, pressed, or a broken wire is trouble.
 #[derive(Debug)]
 pub struct Contact<P> {
     pin: P,
-    /// Consecutive open periods.
-    open: u32,
+    /// The last periods, the newest in bit 0: open.
+    open: u8,
 }
 
 impl<P: InputPin> Contact<P> {
@@ -24,8 +24,8 @@ impl<P: InputPin> Contact<P> {
     #[inline]
     pub fn is_open(&mut self, judged: bool) -> bool {
         let open = judged && self.pin.is_high().unwrap_or(true);
-        self.open = if open { self.open.saturating_add(1) } else { 0 };
-        self.open >= PERIODS
+        self.open = (self.open << 1 | u8::from(open)) & PERIODS;
+        self.open == PERIODS
     }
 }
 

@@ -3,7 +3,7 @@
 mod presets;
 
 use super::answer::{self, Line, Named, Pending};
-use super::calibrate::{Calibration, describe};
+use super::calibrate::{self, Calibration, describe};
 use super::listing::Listing;
 use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
@@ -17,7 +17,7 @@ use haptics::{
     Settings, Solver,
 };
 use link::{
-    BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector, PresetStore, Sensor,
+    BadLine, CALIBRATION_KEY, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector, PresetStore, Sensor,
     Watch,
 };
 
@@ -41,6 +41,8 @@ pub struct Desk {
     changed: bool,
     presets: PresetStore,
     saving: Option<presets::Saving>,
+    /// A calibration that is in use and being stored.
+    keeping: Option<Keeping>,
     /// Reason why presets are not persistent on this device.
     unusable: Option<NotStored>,
     editor: LineEditor,
@@ -76,6 +78,13 @@ pub struct Desk {
     push: bool,
 }
 
+/// A calibration that is being stored.
+struct Keeping {
+    answer: Line,
+    /// Time at which the board got it, ms.
+    since: Option<u32>,
+}
+
 impl Desk {
     /// The desk of a device, with the first preset.
     #[must_use]
@@ -87,6 +96,7 @@ impl Desk {
             changed: false,
             presets: PresetStore::new(),
             saving: None,
+            keeping: None,
             unusable: None,
             editor: LineEditor::new(),
             off: OffDetector::new(),
@@ -137,6 +147,7 @@ impl Desk {
     pub fn is_busy(&self) -> bool {
         self.pending.is_some()
             || self.saving.is_some()
+            || self.keeping.is_some()
             || self.listing.is_some()
             || self.selftest.is_some()
             || self.calibration.is_taking()
@@ -227,6 +238,7 @@ impl Desk {
         }
         self.promise(board.now_ms(), ends);
         self.poll_saving(board);
+        self.poll_keeping(board);
         self.list(board);
     }
 
@@ -298,9 +310,11 @@ impl Desk {
                     self.cleared = true;
                 }
                 Pending::Calibrated(device, _) => {
-                    self.device = device;
-                    self.solver = Solver::new(&self.device, &Procedure::default());
+                    self.calibrated(device);
                     self.calibration.discard();
+                    // the answer says whether it is stored
+                    self.keeping = Some(Keeping { answer: line, since: None });
+                    return;
                 }
                 _ => {}
             }
@@ -417,6 +431,31 @@ impl Desk {
                 },
                 Err((sensor, unfit)) => self.err("CALIBRATION", format_args!("{}: {unfit}", sensor.id())),
             },
+        }
+    }
+
+    fn calibrated(&mut self, device: Device) {
+        self.device = device;
+        self.solver = Solver::new(&self.device, &Procedure::default());
+    }
+
+    /// Stores a calibration that came into use, and answers once that is done.
+    fn poll_keeping(&mut self, board: &mut impl Board) {
+        let Some(keeping) = &mut self.keeping else { return };
+        let Some(since) = keeping.since else {
+            keeping.since = Some(board.now_ms());
+            board.store(CALIBRATION_KEY, &calibrate::encode(&self.device));
+            return;
+        };
+        let outcome = match board.stored() {
+            Some(outcome) => outcome,
+            None if board.now_ms().wrapping_sub(since) > presets::PATIENCE_MS => Err(NotStored::Refused),
+            None => return,
+        };
+        let Some(Keeping { answer, .. }) = self.keeping.take() else { return };
+        match outcome {
+            Ok(()) => self.ok(format_args!("{answer}; {}", board.lasting())),
+            Err(why) => self.ok(format_args!("warn: {answer}; until the device restarts: {why}")),
         }
     }
 
@@ -709,6 +748,9 @@ impl Desk {
             let _ = moment(&earlier.fault, &mut line);
             if let Some((path, at)) = &earlier.panicked_at {
                 let _ = write!(line, ", panicked at {path}:{at}");
+            }
+            if let Some([pc, lr, cfsr]) = earlier.crashed_at {
+                let _ = write!(line, ", crashed at pc {pc:#010x}, lr {lr:#010x}, cfsr {cfsr:#010x}");
             }
         }
         self.say(&line);

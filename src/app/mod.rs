@@ -75,6 +75,8 @@ pub struct Earlier {
     pub fault: FaultReport,
     /// End of the path, and the line, of a panic.
     pub panicked_at: Option<(heapless::String<40>, u32)>,
+    /// Program counter, return address and fault status (CFSR) of a crash.
+    pub crashed_at: Option<[u32; 3]>,
 }
 
 // Sizes of the queues: one more than may wait. Powers of two where possible, which is faster in the interrupt.

@@ -6,7 +6,7 @@
 //! | --- | --- | --- | --- |
 //! | encoder A, B | PA0, PA1 | A0, A1 | TIM2 channels 1, 2, pull-up, 3.3 V |
 //! | force command | PA4 | A2 | DAC1 channel 1: 0 V … 3.3 V is −10 N … +10 N, 1.65 V is no force |
-//! | load cell | PC0 | A5 | ADC1 input 6, 0 V … 3.3 V, from a buffer that drives 1 kΩ |
+//! | load cell | PC0 | A5 | ADC1 input 6, 0 V … 3.3 V, from at most 250 Ω |
 //! | accelerometer | PC1 | A4 | ADC1 input 7, likewise |
 //! | amplifier enable | PB5 | D4 | TIM3 channel 2, high: on. **Fit 10 kΩ to ground**: the pin floats while the chip is in reset |
 //! | emergency stop | PC7 | D9 | closed to ground: run. Open, pressed or broken wire: fault. Without a switch fit a bridge |
@@ -17,9 +17,9 @@
 //! # Timing contract
 //!
 //! ```text
-//! TIM6 update (1 to 20 kHz)       JEOS                     TIM7 update        TIM6 update
-//!   |-- load cell 16×, accel 16× --|-- control step --|         |                  |
-//!   0                          14.3 µs              23 µs     33.5 µs         1 ms … 50 µs
+//! TIM6 update (1 to 20 kHz)                          JEOS                TIM7 update   TIM6 update
+//!   |- one 16× for nothing, load cell 16×, accel 16× -|-- control step --|    |             |
+//!   0                                             21.5 µs             31 µs  40.6 µs    1 ms … 50 µs
 //!   ADC1 triggered            interrupt, encoder    DHR    DAC output changes
 //! ```
 //!
@@ -60,6 +60,7 @@ pub mod enable;
 pub mod flash;
 mod last_words;
 mod listener;
+mod pins;
 mod setup;
 
 pub use setup::ResetCause;
@@ -72,21 +73,22 @@ use core::sync::atomic::{
 };
 use embassy_executor::SendSpawner;
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
-use embassy_stm32::gpio::{Flex, Input, Level, Output, Pull, Speed};
+use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::peripherals::{self, ADC1, IWDG};
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{bind_interrupts, interrupt, pac, triggers};
 use haptics::{Device, FaultKind, Inputs};
+use pins::{AmplifierFault, EmergencyStop};
 use static_cell::StaticCell;
 
 /// Rate of core, timers and time stamps, Hz.
 pub const TICK_HZ: u32 = 170_000_000;
 /// Rate of the control loop after a start, Hz.
 pub const LOOP_HZ: u32 = haptics::RATES[0];
-/// From the start of conversion to the change of the force, ns. The conversions take 14.3 µs.
-const LATCH_NS: u32 = 33_500;
+/// From the start of conversion to the change of the force, ns. The conversions take 21.5 µs.
+const LATCH_NS: u32 = 40_600;
 /// Time without a healthy loop after which the chip resets, µs.
 pub const WATCHDOG_US: u32 = 50_000;
 /// Baud rate of the serial line.
@@ -113,10 +115,10 @@ bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Owned by the interrupt after [`Peripherals::start`].
+/// Owned by the interrupt after [`Peripherals::start`]. In this order: see [`ControlLoop`].
+#[repr(C)]
 struct Loop {
     hardware: Hardware,
-    control: ControlLoop,
     ends: ControlEnds<'static>,
     /// Fault raised in the next step.
     pending: Option<FaultKind>,
@@ -126,6 +128,7 @@ struct Loop {
     period_ticks: u32,
     /// Whether a fault of the board was raised in the last period.
     raised: bool,
+    control: ControlLoop,
 }
 
 /// Consecutive late forces that are a fault: the bounds on stiffness and damping hold for [`DELAY_S`], and a late force comes a
@@ -240,9 +243,9 @@ fn PVD_PVM() {
 
 /// Peripherals that the control step uses through registers.
 struct Hardware {
-    _adc: InjectedAdc<'static, ADC1, 2>,
-    emergency_stop: Contact<Input<'static>>,
-    amplifier_fault: Contact<Input<'static>>,
+    _adc: InjectedAdc<'static, ADC1, 3>,
+    emergency_stop: Contact<EmergencyStop>,
+    amplifier_fault: Contact<AmplifierFault>,
     /// Whether the last step wanted the amplifier.
     enabled: bool,
 }
@@ -255,7 +258,8 @@ impl Hardware {
             w.set_jeos(true);
             w.set_jeoc(true);
         });
-        let [load_code, accel_code] = [pac::ADC1.jdr(0).read().jdata(), pac::ADC1.jdr(1).read().jdata()];
+        // the first conversion after a pause may be wrong [es0430, "ADC: wrong result if conversion done late"]: not used
+        let [load_code, accel_code] = [pac::ADC1.jdr(1).read().jdata(), pac::ADC1.jdr(2).read().jdata()];
         Inputs { sample_ticks, count, edge_ticks, load_code, accel_code }
     }
 
@@ -335,6 +339,7 @@ impl Peripherals {
     pub fn boot() -> Self {
         setup::boost();
         setup::stack_floats_at_once();
+        setup::guard_stack();
         let crystal = setup::start_crystal();
         let p = embassy_stm32::init(setup::clocks(crystal));
         setup::full_speed(crystal);
@@ -372,8 +377,10 @@ impl Peripherals {
             w.set_ovss(0); // … summed, not shifted: 16 bit
         });
         let time = SampleTime::CYCLES6_5;
+        // SAFETY: both belong to the converter, which owns them for good
+        let again = unsafe { p.PC0.clone_unchecked() };
         let adc = adc.setup_injected_conversions(
-            [(p.PC0.degrade_adc(), time), (p.PC1.degrade_adc(), time)],
+            [(again.degrade_adc(), time), (p.PC0.degrade_adc(), time), (p.PC1.degrade_adc(), time)],
             triggers::TIM6_TRGO,
             Exten::RISING_EDGE,
             true,
@@ -381,8 +388,8 @@ impl Peripherals {
         Self {
             hardware: Hardware {
                 _adc: adc,
-                emergency_stop: Contact::new(Input::new(p.PC7, Pull::Up)),
-                amplifier_fault: Contact::new(Input::new(p.PB10, Pull::Up)),
+                emergency_stop: Contact::new(EmergencyStop::new(p.PC7)),
+                amplifier_fault: Contact::new(AmplifierFault::new(p.PB10)),
                 enabled: false,
             },
             console,
@@ -505,7 +512,11 @@ impl Board for Nucleo {
 
 /// A fault of the processor itself.
 #[cortex_m_rt::exception]
-unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+    make_safe();
+    // SAFETY: a read of a register that only the core writes
+    let cfsr = unsafe { (*cortex_m::peripheral::SCB::PTR).cfsr.read() };
+    black_box::crashed_at(frame.pc(), frame.lr(), cfsr);
     restart(FaultKind::Crash)
 }
 

@@ -93,6 +93,33 @@ pub(super) fn stack_floats_at_once() {
     unsafe { (*cortex_m::peripheral::FPU::PTR).fpccr.modify(|w| w & !LSPEN) };
 }
 
+/// Size of the guard below the stack, bytes: more than the frame that overflows into it and what the fault handler needs.
+const GUARD: u32 = 256;
+
+/// Forbids access to the memory between the static data and the stack: a stack that grows into the data is a crash, not a
+/// silent change. The handler of the crash runs without this rule (HFNMIENA = 0 [armv7-m, ch. B3.5.3]), within the guard.
+pub(super) fn guard_stack() {
+    unsafe extern "C" {
+        static __sheap: u32;
+    }
+    const ENABLE: u32 = 1;
+    const DEFAULT_MAP: u32 = 1 << 2;
+    const NO_EXECUTION: u32 = 1 << 28;
+    // no access: AP = 0. SIZE = log2 of the bytes − 1
+    const ATTRIBUTES: u32 = NO_EXECUTION | (GUARD.trailing_zeros() - 1) << 1 | ENABLE;
+    let end_of_data = (&raw const __sheap).addr() as u32;
+    // SAFETY: the only writer of the registers. Nothing lives between the data and the stack.
+    unsafe {
+        let mpu = &*cortex_m::peripheral::MPU::PTR;
+        mpu.rnr.write(0);
+        mpu.rbar.write(end_of_data.next_multiple_of(GUARD));
+        mpu.rasr.write(ATTRIBUTES);
+        mpu.ctrl.write(DEFAULT_MAP | ENABLE);
+    }
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
+}
+
 /// TIM2 counts all four quadrature edges of a period through a filter of 94 ns. TIM5 captures its own count on each edge.
 pub(super) fn start_encoder(a: Peri<'static, PA0>, b: Peri<'static, PA1>) {
     rcc::enable_and_reset::<TIM2>();

@@ -448,7 +448,7 @@ impl Machine {
 
     /// The crystal stops, or oscillates again.
     pub fn set_crystal(&mut self, oscillates: bool) {
-        self.shared.soc().rcc.set_crystal(oscillates);
+        self.shared.soc().set_crystal(oscillates, self.now);
         self.shared.touched.store(true, Relaxed);
     }
 

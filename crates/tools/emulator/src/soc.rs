@@ -245,6 +245,7 @@ impl Soc {
             }
             RCC..0x4002_1400 => {
                 self.rcc.write(offset, value);
+                self.clock_timers(now);
                 self.check_clock();
             }
             FLASH..0x4002_2400 => {
@@ -271,6 +272,20 @@ impl Soc {
                 self.other.insert(address, value);
             }
         }
+    }
+
+    fn clock_timers(&mut self, now: u64) {
+        let cycle = units_per_cycle(self.rcc.timer1());
+        for tim in &mut self.tims {
+            tim.set_clock(cycle, now);
+        }
+    }
+
+    /// The crystal stops, or oscillates again.
+    pub fn set_crystal(&mut self, oscillates: bool, now: u64) {
+        self.advance(now);
+        self.rcc.set_crystal(oscillates);
+        self.clock_timers(now);
     }
 
     fn check_clock(&mut self) {
