@@ -64,7 +64,7 @@ pub fn two_weights_calibrate_the_load_cell() {
     assert!(kept.contains(&format!("load: {unit:.7} N per code")), "{kept}");
     for cause in [ResetCause::Pin, ResetCause::PowerOn] {
         board.machine.reset_by(cause);
-        board.run(150.0);
+        board.run(60.0);
         assert_eq!(board.ok("calibrate status"), kept, "{cause:?}");
     }
 }

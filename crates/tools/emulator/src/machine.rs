@@ -7,7 +7,7 @@ use crate::inject::{Injector, Pulses};
 use crate::rcc::ResetCause;
 use crate::soc::{IRQ_ADC1_2, IRQS, Soc};
 use crate::stats::Statistics;
-use crate::wait::loads_literal;
+use crate::wait::{Waits, loads_literal};
 use crate::world::World;
 use crate::{Image, Injected, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
@@ -349,6 +349,8 @@ impl Machine {
         self.shared.soc().reset(cause, self.now);
         // unlike the chip, a reset of rsemu keeps NVIC settings and a lazy FPU context
         self.cpu = core(&self.space);
+        // its cycles begin at 0 again: a line that was read ahead would be there only when they are where they were
+        *self.shared.waits() = Waits::new();
         self.lines = Default::default();
         self.shared.touched.store(true, Relaxed);
         self.entered = None;
