@@ -17,8 +17,8 @@ use haptics::{
     Settings, Solver,
 };
 use link::{
-    BadLine, CALIBRATION_KEY, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector, PresetStore, Sensor,
-    Watch,
+    BadLine, CALIBRATION_KEY, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector,
+    PresetStore, Sensor, Watch,
 };
 
 /// Preset after a start without a default.

@@ -5,7 +5,7 @@
 //! | signal | pin | connector | how |
 //! | --- | --- | --- | --- |
 //! | encoder A, B | PA0, PA1 | A0, A1 | TIM2 channels 1, 2, pull-up, 3.3 V |
-//! | force command | PA4 | A2 | DAC1 channel 1: 0 V … 3.3 V is −10 N … +10 N, 1.65 V is no force |
+//! | force command | PA4 | A2 | DAC1 channel 1, 0.2 V … 3.1 V: 1.65 V is no force, 1 V is 6.67 N |
 //! | load cell | PC0 | A5 | ADC1 input 6, 0 V … 3.3 V, from at most 250 Ω |
 //! | accelerometer | PC1 | A4 | ADC1 input 7, likewise |
 //! | amplifier enable | PB5 | D4 | TIM3 channel 2, high: on. **Fit 10 kΩ to ground**: the pin floats while the chip is in reset |
@@ -97,8 +97,10 @@ pub const BAUD: u32 = 921_600;
 pub const RX_BYTES: usize = 512;
 /// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
 const RX_WAKE: usize = 32;
-/// Force per code of the DAC, N. Code 2048 is no force.
-pub const NEWTON_PER_CODE: f32 = 10.0 / 2048.0;
+/// Force per code of the DAC, N: ±11 N from rail to rail. Code 2048 is no force.
+pub const NEWTON_PER_CODE: f32 = 11.0 / 2048.0;
+/// Largest force that the output can ask for, N: its buffer ends 0.2 V from the rails of 3.3 V [ds12288, "DAC characteristics"].
+const ELECTRICAL_FORCE: f32 = 11.0 * (1.65 - 0.2) / 1.65;
 /// Time from the encoder reading, after the conversions, to the change of the force, s.
 const DELAY_S: f32 = 20e-6;
 /// Code of no force.
@@ -462,7 +464,9 @@ impl Board for Nucleo {
 
     fn device(&self) -> Device {
         // the rig of [thesis, table 3-1] with the clock and rate of this board
-        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, ..Device::default() }
+        let rig = Device::default();
+        let force_max = rig.force_max.min(ELECTRICAL_FORCE);
+        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, force_max, ..rig }
     }
 
     fn now_ms(&self) -> u32 {

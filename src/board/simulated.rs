@@ -27,7 +27,7 @@ const POINTING: f64 = 100.0;
 /// Longest wait for a search of the stops, ms.
 const LONGEST_SEARCH_MS: u32 = 60_000;
 /// Force of the amplifier with its input at 0 V, N.
-const BROKEN_COMMAND: f64 = 10.0;
+const BROKEN_COMMAND: f64 = 11.0;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
 

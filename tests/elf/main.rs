@@ -73,6 +73,7 @@ fn main() -> ExitCode {
             origin::home_finds_the_middle_from_anywhere_in_the_stroke,
             origin::a_reset_in_mid_stroke_leaves_the_device_unreferenced,
             origin::a_start_at_a_stop_drives_nothing_into_it,
+            the_full_force_reaches_the_output_both_ways,
             power_up::every_reset_cause_boots_and_unexpected_ones_are_faults,
             power_up::the_first_power_up_of_the_readme_works,
             power_up::a_single_bank_of_flash_keeps_no_presets,
@@ -100,6 +101,21 @@ fn main() -> ExitCode {
             .needing(&TOOLCHAIN)
             .on_demand("builds the firmware eight times; a step of .ci/run"),
     )
+}
+
+/// The buffer of the output once ended it at 8.8 N.
+fn the_full_force_reaches_the_output_both_ways() {
+    for hand in [9.4, -9.4] {
+        let mut board = Board::ready();
+        board.ok("preset use rubber");
+        board.ok("set f_static 9.48");
+        board.ok("render on");
+        board.machine.set_hand(move |_: f64, _: f64, v: f64| hand - 20.0 * v);
+        board.run(400.0);
+        println!("hand {hand} N: the amplifier is told {:.3} N", board.machine.force());
+        assert!(-board.machine.force() * hand.signum() > 9.3, "{}", board.machine.force());
+        assert_eq!(board.ok("fault"), "ok no fault");
+    }
 }
 
 fn no_step_is_missed_under_full_load() {

@@ -255,7 +255,7 @@ const CASES: &[Case] = &[
     },
     Case {
         fault: "force_contradicted",
-        how: "command wire broken: -10 N",
+        how: "command wire broken: 0 V",
         start: rendering,
         inject: |board| board.machine.break_command(true),
         within: 20.0,

@@ -80,5 +80,8 @@ pub fn without_its_flash_a_calibration_warns() {
     }
     let saved = board.ok("calibrate save");
     println!("{saved}");
-    assert!(saved.starts_with("ok warn: calibrate") && saved.contains("until the device restarts: "), "{saved}");
+    assert!(
+        saved.starts_with("ok warn: calibrate") && saved.contains("until the device restarts: "),
+        "{saved}"
+    );
 }

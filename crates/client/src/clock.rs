@@ -49,7 +49,8 @@ impl ClockRatio {
         let elapsed = span + last.1 - first.1;
         let ratio = span / elapsed;
         let error = (first_spread + last_spread) / elapsed;
-        (end - begin >= SHORTEST_S && elapsed > 0.0 && (ratio - 1.0).abs() < PLAUSIBLE).then_some((ratio, error))
+        (end - begin >= SHORTEST_S && elapsed > 0.0 && (ratio - 1.0).abs() < PLAUSIBLE)
+            .then_some((ratio, error))
     }
 }
 
@@ -85,7 +86,10 @@ mod tests {
             }
             let (ratio, error) = clock.measured().expect("20 s");
             worst = worst.max((ratio - truth).abs());
-            assert!((ratio - truth).abs() <= error && error < 1e-3, "seed {seed}: {ratio} ± {error}, truth {truth}");
+            assert!(
+                (ratio - truth).abs() <= error && error < 1e-3,
+                "seed {seed}: {ratio} ± {error}, truth {truth}"
+            );
         }
         println!("clock ratio of 40 recordings of 20 s: at most {worst:.1e} off");
         assert!(worst < 1e-4);

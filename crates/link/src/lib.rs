@@ -27,4 +27,6 @@ pub use frame::{Channel, Frame, Header, MAX_WIRE, Sample, decode_payload, encode
 pub use help::{HELP, HelpLine};
 pub use line::{BadLine, LineEditor, MAX_LINE};
 pub use off::OffDetector;
-pub use preset::{CALIBRATION_KEY, Change, DEFAULT_KEY, IDENTIFIED, MAX_ITEM, MAX_SAVED, Name, PresetError, PresetStore};
+pub use preset::{
+    CALIBRATION_KEY, Change, DEFAULT_KEY, IDENTIFIED, MAX_ITEM, MAX_SAVED, Name, PresetError, PresetStore,
+};

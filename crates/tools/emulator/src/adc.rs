@@ -11,7 +11,11 @@ const SMPR1: u32 = 0x14;
 const SMPR2: u32 = 0x18;
 const JSQR: u32 = 0x4c;
 const JDR1: u32 = 0x80;
+const CALFACT: u32 = 0xb4;
 const CCR: u32 = 0x308;
+
+/// What a calibration finds.
+const CALIBRATED: u32 = 0x40;
 
 /// Timer trigger outputs among the injected triggers of ADC1 [rm0440, "ADC1 external triggers for injected channels"]:
 /// (JEXTSEL, timer).
@@ -86,6 +90,9 @@ impl Adc {
         let old = self.reg(CR);
         // calibration and ADDIS act at once; stops withdraw starts
         let mut new = value & !(1 << 31);
+        if value & 1 << 31 != 0 && old & 1 == 0 {
+            self.set(CALFACT, CALIBRATED);
+        }
         if value & 2 != 0 {
             new &= !3;
         }
@@ -125,6 +132,9 @@ impl Adc {
         }
         if clock > MAX_HZ {
             self.violation = Some(format!("ADC1 clocked at {clock} Hz, more than {MAX_HZ} Hz"));
+        }
+        if self.reg(CALFACT) == 0 {
+            self.violation = Some("ADC1 used without its calibration".into());
         }
         let (ratio, shift) = self.oversampling();
         let mut half_cycles = 0;

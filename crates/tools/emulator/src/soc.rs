@@ -33,6 +33,7 @@ const APB1ENR2: u32 = 0x5c;
 const ADC_GATE: Gate = (AHB2ENR, 13);
 const DAC_GATE: Gate = (AHB2ENR, 16);
 const LPUART_GATE: Gate = (APB1ENR2, 0);
+const PWR_GATE: Gate = (APB1ENR1, 28);
 
 /// Numbers of the driven interrupt lines.
 pub(crate) const IRQ_ADC1_2: u16 = 18;
@@ -155,7 +156,7 @@ impl Soc {
     /// Input of the amplifier: a code while it is enabled and the DAC drives its pin.
     fn force_code(&self, now: u64) -> Option<u16> {
         let driven = self.gpio[0].analog(4);
-        self.dac.code().filter(|_| self.amplifier_on(now) && driven)
+        self.dac.output_code().filter(|_| self.amplifier_on(now) && driven)
     }
 
     pub fn watchdog_due(&self, now: u64) -> bool {
@@ -189,7 +190,13 @@ impl Soc {
                 value
             }
             IWDG..0x4000_3400 => self.iwdg.read(offset),
-            PWR..0x4000_7400 => self.supply.read_pwr(offset),
+            PWR..0x4000_7400 => {
+                if self.gate(PWR_GATE, "PWR") {
+                    self.supply.read_pwr(offset)
+                } else {
+                    0
+                }
+            }
             EXTI..0x4001_0800 => self.supply.read_exti(offset),
             LPUART1..0x4000_8400 => {
                 if self.gate(LPUART_GATE, "LPUART1") {
@@ -235,7 +242,11 @@ impl Soc {
                 }
             }
             IWDG..0x4000_3400 => self.feed(offset, value, now),
-            PWR..0x4000_7400 => self.supply.write_pwr(offset, value),
+            PWR..0x4000_7400 => {
+                if self.gate(PWR_GATE, "PWR") {
+                    self.supply.write_pwr(offset, value);
+                }
+            }
             EXTI..0x4001_0800 => self.supply.write_exti(offset, value),
             LPUART1..0x4000_8400 => {
                 if self.gate(LPUART_GATE, "LPUART1") {

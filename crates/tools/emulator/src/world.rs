@@ -6,7 +6,7 @@ use plant::{Bench, Hand, NoHand, Rig, RigConfig, Sensors, Truth, Wiring};
 use std::collections::VecDeque;
 
 /// Force per code of the DAC through the amplifier, N. Code 2048 is no force.
-const NEWTON_PER_CODE: f64 = 10.0 / 2048.0;
+const NEWTON_PER_CODE: f64 = 11.0 / 2048.0;
 const CODE_ZERO: f64 = 2048.0;
 /// Length of a chunk of the rig, 170 MHz ticks: 10 µs.
 const CHUNK_TICKS: u32 = 1_700;
