@@ -23,7 +23,7 @@
 //! **Heat.** I²t from the command: the square of the force, as a share of that of [`Limits::continuous_force`], through the
 //! thermal time constant of the motor.
 
-use crate::{Accepted, Device, FaultKind, Inputs, ModeId, Outputs, Refused};
+use crate::{Accepted, Device, FaultKind, Inputs, ModeId, Outputs, Refused, number};
 
 /// Time constant of the balance, s.
 const BALANCE_S: f32 = 0.01;
@@ -99,6 +99,8 @@ impl Limits {
     /// The first one out of range, or NaN.
     pub fn validate(&self, device: &Device) -> Result<(), Refused> {
         let most = device.force_max;
+        // against the rounding of a product
+        let at_least = |x: f32| number::four_digits(x * (1.0 - 1e-6), true);
         let checks = [
             (
                 self.unexplained_force,
@@ -106,7 +108,7 @@ impl Limits {
                 most,
                 "N; above the friction of the device, below the actuator's force",
             ),
-            (self.continuous_force, 0.05 * most, most, "N; up to the actuator's force"),
+            (self.continuous_force, at_least(0.05 * most), most, "N; up to the actuator's force"),
             (self.heating_s, 1.0, 3_600.0, "s"),
         ];
         for ((parameter, _, _), (value, low, high, why)) in Self::ALL.into_iter().zip(checks) {
