@@ -210,6 +210,7 @@ mod tests {
     fn board() -> Adc {
         let mut adc = Adc::new();
         adc.write(CR, 1 << 28);
+        adc.write(CR, 1 << 28 | 1 << 31);
         adc.write(CR, 1 << 28 | 1);
         adc.write(CCR, 2 << 18);
         adc.write(CFGR2, 2 | 3 << 2);
