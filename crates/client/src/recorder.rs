@@ -229,7 +229,7 @@ impl RecordingFile {
             Some((ratio, error)) => format!("# clock_ratio: {ratio:.6} +- {error:.6} (device / computer)\n"),
             None => String::new(),
         };
-        write!(self.out, "{ratio}# lost_samples: {lost}\n")
+        writeln!(self.out, "{ratio}# lost_samples: {lost}")
             .and_then(|()| self.out.flush())
             .and_then(|()| self.out.get_ref().sync_all())
             .and_then(|()| std::fs::rename(&part, &self.path))

@@ -104,7 +104,7 @@ impl Limits {
         let checks = [
             (
                 self.unexplained_force,
-                0.1 * most,
+                at_least(0.1 * most),
                 most,
                 "N; above the friction of the device, below the actuator's force",
             ),
