@@ -79,6 +79,39 @@ fn a_servo_lifts_a_pendulum_against_gravity() {
     assert!(found.after.rms_heldout < 0.1 * found.baseline.rms_heldout);
 }
 
+#[test]
+fn a_stage_that_hardly_slides_has_presliding() {
+    let found = found(&[read("stage.csv", fixtures::stage::MAP)], &[]);
+    assert_eq!(found.missing.iter().map(|m| m.effect.as_str()).collect::<Vec<_>>(), ["presliding"]);
+    let value = |name: &str| found.missing[0].parameters[name].value;
+    let [force, x_s] = fixtures::stage::PRESLIDING;
+    assert!((value("x_s") / x_s - 1.0).abs() < 0.02 && (value("force_p") / force - 1.0).abs() < 0.02);
+    // mass and friction alone make the mass negative
+    assert!(found.baseline.parameters["mass"].value < 0.0);
+    assert!((found.after.parameters["mass"].value / fixtures::stage::MASS - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_tribometer_has_load_and_stribeck() {
+    let found = found(&[read("tribometer.csv", fixtures::tribometer::MAP)], &[]);
+    assert!(says(&found, "load_dependent_friction") && says(&found, "stribeck"));
+    let of = |effect: &str| found.missing.iter().find(|m| m.effect == effect).expect("named");
+    assert!(
+        (of("load_dependent_friction").parameters["mu"].value / fixtures::tribometer::MU - 1.0).abs() < 0.01
+    );
+    let [force, speed] = fixtures::tribometer::STRIBECK;
+    assert!((of("stribeck").parameters["v_s"].value / speed - 1.0).abs() < 0.1);
+    assert!((of("stribeck").parameters["force_p"].value / force - 1.0).abs() < 0.1);
+}
+
+#[test]
+fn a_load_that_was_not_recorded_has_no_name() {
+    let without = fixtures::tribometer::MAP.split(",normal_force_n").next().expect("a map");
+    let found = found(&[read("tribometer.csv", without)], &[]);
+    assert_eq!(found.verdict, Verdict::Mismatch);
+    assert!(found.missing.iter().all(|m| m.effect == "unnamed"));
+}
+
 /// Every text under a key `unit`.
 fn units(json: &Value, out: &mut BTreeSet<String>) {
     match json {
