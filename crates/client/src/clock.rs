@@ -43,20 +43,26 @@ impl ClockRatio {
     pub fn measured(&self) -> Option<(f64, f64)> {
         let (begin, end) = (self.readings.first()?.0, self.readings.last()?.0);
         let quarter = 0.25 * (end - begin);
-        let (first, first_spread) = earliest(self.readings.iter().filter(|(t, _)| *t <= begin + quarter))?;
-        let (last, last_spread) = earliest(self.readings.iter().filter(|(t, _)| *t >= end - quarter))?;
-        let span = last.0 - first.0;
-        let elapsed = span + last.1 - first.1;
-        let ratio = span / elapsed;
-        let error = (first_spread + last_spread) / elapsed;
-        (end - begin >= SHORTEST_S && elapsed > 0.0 && (ratio - 1.0).abs() < PLAUSIBLE)
-            .then_some((ratio, error))
+        // seconds of delay gained in a second of the device; the second time without what the first has found, which would
+        // spread the delays within a quarter
+        let (mut gained, mut error) = (0.0, 0.0);
+        for _ in 0..2 {
+            let level = |(t, delay): &(f64, f64)| (*t, delay - gained * t);
+            let (first, last): (Vec<_>, Vec<_>) = (
+                self.readings.iter().filter(|(t, _)| *t <= begin + quarter).map(level).collect(),
+                self.readings.iter().filter(|(t, _)| *t >= end - quarter).map(level).collect(),
+            );
+            let ((first, first_spread), (last, last_spread)) = (earliest(first)?, earliest(last)?);
+            gained += (last.1 - first.1) / (last.0 - first.0);
+            error = (first_spread + last_spread) / (last.0 - first.0);
+        }
+        let ratio = 1.0 / (1.0 + gained);
+        (end - begin >= SHORTEST_S && (ratio - 1.0).abs() < PLAUSIBLE).then_some((ratio, error))
     }
 }
 
 /// The reading with the least delay, and how far the median is above it, s.
-fn earliest<'a>(readings: impl Iterator<Item = &'a (f64, f64)>) -> Option<((f64, f64), f64)> {
-    let mut readings: Vec<_> = readings.copied().collect();
+fn earliest(mut readings: Vec<(f64, f64)>) -> Option<((f64, f64), f64)> {
     readings.sort_by(|a, b| a.1.total_cmp(&b.1));
     let least = *readings.first()?;
     Some((least, readings.get(readings.len() / 2)?.1 - least.1))
