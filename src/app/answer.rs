@@ -68,7 +68,7 @@ impl Pending {
                 }
             }
             Self::Calibrated(device, fits) => {
-                out.write_str("ok calibrate; lasts until the device restarts")?;
+                out.write_str("calibrate")?;
                 describe(Sensor::Load, &device.load, fits[0].as_ref(), out)?;
                 describe(Sensor::Accel, &device.accel, fits[1].as_ref(), out)
             }

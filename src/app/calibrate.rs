@@ -7,7 +7,7 @@ use super::Telemetry;
 use super::answer::{Line, err};
 use core::fmt::{self, Write};
 use haptics::number::Text;
-use haptics::{Channel, Device};
+use haptics::{Channel, Device, Inputs};
 use heapless::Vec;
 use link::Sensor;
 
@@ -128,12 +128,7 @@ fn fit(points: &[Point], nominal: &Channel, one_will_do: bool) -> Result<Fit, Un
         return Err(Unfit::Backwards);
     }
     let channel = Channel { offset_code: code - slope * value, unit_per_code: 1.0 / slope };
-    if !((channel.unit_per_code / nominal.unit_per_code - 1.0).abs() <= GAIN) {
-        return Err(Unfit::Gain { found: channel.unit_per_code, nominal: nominal.unit_per_code });
-    }
-    if !((channel.offset_code - nominal.offset_code).abs() <= OFFSET) {
-        return Err(Unfit::Offset { found: channel.offset_code, nominal: nominal.offset_code });
-    }
+    plausible(&channel, nominal)?;
     let off = |p: &Point| (p.code - channel.offset_code - slope * p.value).abs();
     let span = points.iter().map(|p| p.code).fold(f32::MIN, f32::max)
         - points.iter().map(|p| p.code).fold(f32::MAX, f32::min);
@@ -212,7 +207,7 @@ impl Calibration {
             Sensor::Load => &mut self.load,
             Sensor::Accel => &mut self.accel,
         };
-        let top = 65_520_u16.saturating_sub(device.rail_codes);
+        let top = Inputs::TOP_CODE.saturating_sub(device.rail_codes);
         // a long line is truncated
         let (refusal, _) = if average.travel > STILL {
             (
@@ -286,6 +281,43 @@ impl Calibration {
             Ok((calibrated, fits))
         }
     }
+}
+
+/// Bytes of a stored calibration: the format, then offset and gain of load cell and accelerometer.
+const STORED: usize = 17;
+const FORMAT: u8 = 1;
+
+/// The calibration of a device as an item of persistent memory.
+pub(super) fn encode(device: &Device) -> [u8; STORED] {
+    let mut item = [FORMAT; STORED];
+    let numbers = [device.load, device.accel].map(|c| [c.offset_code, c.unit_per_code]);
+    for (to, number) in item[1..].chunks_exact_mut(4).zip(numbers.as_flattened()) {
+        to.copy_from_slice(&number.to_le_bytes());
+    }
+    item
+}
+
+/// The device with a stored calibration. `None` if this is none, or not plausible for this device.
+pub(super) fn decode(item: &[u8], nominal: &Device) -> Option<Device> {
+    let (FORMAT, numbers) = item.split_first().map(|(format, rest)| (*format, rest))? else { return None };
+    let numbers: &[u8; STORED - 1] = numbers.try_into().ok()?;
+    let mut numbers = numbers.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    let mut channel = |nominal: &Channel| {
+        let channel = Channel { offset_code: numbers.next()?, unit_per_code: numbers.next()? };
+        plausible(&channel, nominal).ok().map(|()| channel)
+    };
+    Some(Device { load: channel(&nominal.load)?, accel: channel(&nominal.accel)?, ..*nominal })
+}
+
+/// Whether a channel is near that of the data sheet.
+fn plausible(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
+    if !((channel.unit_per_code / nominal.unit_per_code - 1.0).abs() <= GAIN) {
+        return Err(Unfit::Gain { found: channel.unit_per_code, nominal: nominal.unit_per_code });
+    }
+    if !((channel.offset_code - nominal.offset_code).abs() <= OFFSET) {
+        return Err(Unfit::Offset { found: channel.offset_code, nominal: nominal.offset_code });
+    }
+    Ok(())
 }
 
 /// `; load: 0.0013574 N per code, zero at 32768.0, 2 points within 0.0 codes`

@@ -6,13 +6,13 @@ use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Outputs, Request, State
 
 /// The control step with its queues. Never blocks: telemetry that finds no room is dropped, which shows as a gap in the step
 /// numbers.
+// In this order: what every step uses is within the reach of a load with an offset; behind the sums of the state it was not,
+// which cost 20 cycles.
+#[repr(C)]
 pub struct ControlLoop {
-    /// Configuration until the first one arrives through the queue.
-    first: Config,
     /// Whether the first configuration of the queue is in use.
     replaced: bool,
     period_ticks: u32,
-    state: State,
     step: u32,
     mode: ModeId,
     /// Origin of the last report.
@@ -21,6 +21,9 @@ pub struct ControlLoop {
     numbers: u16,
     /// Waiting requests that `off` overtook.
     overtaken: usize,
+    /// Configuration until the first one arrives through the queue.
+    first: Config,
+    state: State,
 }
 
 impl ControlLoop {
@@ -58,8 +61,9 @@ impl ControlLoop {
         let listens = raise.is_none() && !off && !configured && ends.requests.ready();
         let asked = if listens { ends.requests.peek() } else { None };
         let overtaken = asked.is_some() && self.overtaken > 0;
-        // a promise has no answer
-        let answered = configured || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. }));
+        // a promise and an alarm have no answer
+        let answered = configured
+            || asked.is_some_and(|asked| !matches!(asked, Request::HostWatch { .. } | Request::Raise(_)));
         let taken = asked.is_some();
         let request = if off { Some(&Request::Off) } else { raise.as_ref() };
         let request = request.or(if overtaken { None } else { asked });

@@ -3,7 +3,7 @@
 mod presets;
 
 use super::answer::{self, Line, Named, Pending};
-use super::calibrate::{Calibration, describe};
+use super::calibrate::{self, Calibration, describe};
 use super::listing::Listing;
 use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
@@ -13,10 +13,12 @@ use crate::presets::NotStored;
 use core::fmt::Write;
 use haptics::number::Text;
 use haptics::{
-    Config, Denied, Device, FaultKind, ModeId, Number, Procedure, Refused, Request, Settings, Solver,
+    Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused, Request,
+    Settings, Solver,
 };
 use link::{
-    BadLine, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector, PresetStore, Sensor,
+    BadLine, CALIBRATION_KEY, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector,
+    PresetStore, Sensor, Watch,
 };
 
 /// Preset after a start without a default.
@@ -39,6 +41,8 @@ pub struct Desk {
     changed: bool,
     presets: PresetStore,
     saving: Option<presets::Saving>,
+    /// A calibration that is in use and being stored.
+    keeping: Option<Keeping>,
     /// Reason why presets are not persistent on this device.
     unusable: Option<NotStored>,
     editor: LineEditor,
@@ -62,12 +66,23 @@ pub struct Desk {
     cleared: bool,
     /// Control periods that the tasks missed.
     unseen: u32,
-    watch_s: f32,
+    watch: Watch,
+    /// Slow checks, their limits, and the fault they have found.
+    monitor: Monitor,
+    limits: Limits,
+    alarm: Option<FaultKind>,
     /// Time of the last byte of the host since its last promise, ms.
     heard: bool,
     promised_ms: u32,
     /// Whether the self-test needs its push.
     push: bool,
+}
+
+/// A calibration that is being stored.
+struct Keeping {
+    answer: Line,
+    /// Time at which the board got it, ms.
+    since: Option<u32>,
 }
 
 impl Desk {
@@ -81,6 +96,7 @@ impl Desk {
             changed: false,
             presets: PresetStore::new(),
             saving: None,
+            keeping: None,
             unusable: None,
             editor: LineEditor::new(),
             off: OffDetector::new(),
@@ -97,7 +113,10 @@ impl Desk {
             fault: None,
             cleared: false,
             unseen: 0,
-            watch_s: WATCH_S,
+            watch: Watch { seconds: WATCH_S, rendering: false },
+            monitor: Monitor::default(),
+            limits: Limits::default(),
+            alarm: None,
             heard: false,
             promised_ms: 0,
             push: false,
@@ -128,6 +147,7 @@ impl Desk {
     pub fn is_busy(&self) -> bool {
         self.pending.is_some()
             || self.saving.is_some()
+            || self.keeping.is_some()
             || self.listing.is_some()
             || self.selftest.is_some()
             || self.calibration.is_taking()
@@ -203,6 +223,12 @@ impl Desk {
         while let Some(telemetry) = ends.telemetry.dequeue() {
             self.see(&telemetry);
         }
+        if let Some(kind) = self.alarm.take() {
+            // the pin falls at once; the loop keeps it low and latches the fault
+            board.off();
+            // no room: the next poll tries again
+            self.alarm = ends.ask.enqueue(Request::Raise(kind)).err().map(|_| kind);
+        }
         if self.pending.as_ref().is_some_and(|(_, since)| board.now_ms().wrapping_sub(*since) > PATIENCE_MS) {
             self.pending = None;
             self.err("NO_ANSWER", "the control loop is not running; see `fault`, or restart the device");
@@ -212,17 +238,23 @@ impl Desk {
         }
         self.promise(board.now_ms(), ends);
         self.poll_saving(board);
+        self.poll_keeping(board);
         self.list(board);
     }
 
     /// Passes on the promise of a host that drives the handle: the loop withdraws force when no bytes come.
     fn promise(&mut self, now: u32, ends: &mut DeskEnds<'_>) {
         let due = self.heard && now.wrapping_sub(self.promised_ms) >= PROMISE_MS;
-        if due && self.last.is_some_and(|t| t.outputs.mode.is_driven()) {
+        if due && self.last.is_some_and(|t| self.is_watched(t.outputs.mode)) {
             // no room: the next poll tries again
-            self.heard = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s }).is_err();
+            self.heard = ends.ask.enqueue(Request::HostWatch { seconds: self.watch.seconds }).is_err();
             self.promised_ms = now;
         }
+    }
+
+    /// Whether the host must report in this mode.
+    fn is_watched(&self, mode: ModeId) -> bool {
+        mode.is_driven() || (self.watch.rendering && mode == ModeId::Rendering)
     }
 
     fn say(&mut self, line: &Line) {
@@ -278,9 +310,11 @@ impl Desk {
                     self.cleared = true;
                 }
                 Pending::Calibrated(device, _) => {
-                    self.device = device;
-                    self.solver = Solver::new(&self.device, &Procedure::default());
+                    self.calibrated(device);
                     self.calibration.discard();
+                    // the answer says whether it is stored
+                    self.keeping = Some(Keeping { answer: line, since: None });
+                    return;
                 }
                 _ => {}
             }
@@ -335,6 +369,12 @@ impl Desk {
             }
         }
         self.last = Some(*telemetry);
+        let (inputs, outputs) = (&telemetry.inputs, &telemetry.outputs);
+        let found = self.monitor.sample(&self.device, &self.limits, telemetry.step, inputs, outputs);
+        // the self-test looks for the same and says more
+        if outputs.amplifier && self.selftest.is_none() {
+            self.alarm = self.alarm.or(found);
+        }
         // the report of a step is here before its telemetry
         let due = |next: &OriginReport| telemetry.step.wrapping_sub(next.step) as i32 >= 0;
         if let Some(next) = self.next_origin.take_if(|next| due(next)) {
@@ -394,6 +434,31 @@ impl Desk {
         }
     }
 
+    fn calibrated(&mut self, device: Device) {
+        self.device = device;
+        self.solver = Solver::new(&self.device, &Procedure::default());
+    }
+
+    /// Stores a calibration that came into use, and answers once that is done.
+    fn poll_keeping(&mut self, board: &mut impl Board) {
+        let Some(keeping) = &mut self.keeping else { return };
+        let Some(since) = keeping.since else {
+            keeping.since = Some(board.now_ms());
+            board.store(CALIBRATION_KEY, &calibrate::encode(&self.device));
+            return;
+        };
+        let outcome = match board.stored() {
+            Some(outcome) => outcome,
+            None if board.now_ms().wrapping_sub(since) > presets::PATIENCE_MS => Err(NotStored::Refused),
+            None => return,
+        };
+        let Some(Keeping { answer, .. }) = self.keeping.take() else { return };
+        match outcome {
+            Ok(()) => self.ok(format_args!("{answer}; {}", board.lasting())),
+            Err(why) => self.ok(format_args!("warn: {answer}; until the device restarts: {why}")),
+        }
+    }
+
     /// Sends lines of a long answer while there is room.
     fn list(&mut self, board: &impl Board) {
         while let Some((listing, at)) = &mut self.listing {
@@ -440,10 +505,11 @@ impl Desk {
         match command {
             Command::Help => self.begin_list(format_args!("help"), Listing::Help, board),
             Command::Version => self.ok(format_args!(
-                "tribos {} on {}, {:.0} Hz",
+                "tribos {} on {}, {:.0} Hz, {}",
                 env!("CARGO_PKG_VERSION"),
                 board.name(),
-                Text(1.0 / self.device.period)
+                Text(1.0 / self.device.period),
+                board.clock()
             )),
             Command::Status => self.status(board),
             Command::Fault => self.tell_fault(board),
@@ -457,13 +523,18 @@ impl Desk {
             Command::Render(on) => {
                 let limited = self.last.is_some_and(|t| !t.outputs.referenced);
                 let most = limited.then(|| self.device.unreferenced_force());
-                self.ask(Request::Render(on), Pending::Render(on, most), now, ends);
+                let (request, pending) = (Request::Render(on), Pending::Render(on, most));
+                if on && self.watch.rendering {
+                    self.drive(request, pending, now, ends);
+                } else {
+                    self.ask(request, pending, now, ends);
+                }
             }
             Command::Zero => self.ask(Request::Zero, Pending::Zero, now, ends),
             Command::Home => self.drive(Request::Home, Pending::Home, now, ends),
             Command::Move(excitation) => match excitation.validate(&self.device) {
                 Ok(()) => {
-                    let pending = Pending::Move(excitation, self.watch_s);
+                    let pending = Pending::Move(excitation, self.watch.seconds);
                     self.drive(Request::Excite(excitation), pending, now, ends);
                 }
                 Err(refused) => self.err("REFUSED", refused),
@@ -484,7 +555,9 @@ impl Desk {
                 self.ok(format_args!("stream on, every {decimation} periods"));
                 self.stream = Some(Stream::new(decimation, self.preset.clone()));
             }
-            Command::Watch(seconds) => self.watch(seconds),
+            Command::Watch(watch) => self.watch(watch, ends),
+            Command::Limit(None) => self.tell_limits(),
+            Command::Limit(Some((name, value))) => self.limit(name, value),
             Command::Calibrate(step) => self.calibrate(step, now, ends, board),
             Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", Text(1.0 / self.device.period))),
             Command::Rate(Some(hz)) => self.rate(hz, now, ends),
@@ -518,7 +591,7 @@ impl Desk {
     fn drive(&mut self, request: Request, pending: Pending, now: u32, ends: &mut DeskEnds<'_>) {
         self.ask(request, pending, now, ends);
         // without room, the next bytes send it
-        let _ = ends.ask.enqueue(Request::HostWatch { seconds: self.watch_s });
+        let _ = ends.ask.enqueue(Request::HostWatch { seconds: self.watch.seconds });
     }
 
     /// Sends a request to the control loop. The answer follows once it is handled.
@@ -533,13 +606,56 @@ impl Desk {
         self.err("BUSY", "the control loop has pending requests; try again");
     }
 
-    fn watch(&mut self, seconds: Option<f32>) {
-        self.watch_s = seconds.unwrap_or(self.watch_s);
-        match self.watch_s {
-            0.0 => self.ok(format_args!("watch off: no limit on the silence of the host")),
-            seconds => {
-                self.ok(format_args!("watch {} s: force off after this silence of the host", Text(seconds)))
+    fn watch(&mut self, watch: Option<Watch>, ends: &mut DeskEnds<'_>) {
+        if let Some(watch) = watch {
+            if self.watch.rendering && !watch.rendering && self.last_mode() == Some(ModeId::Rendering) {
+                // without room the old promise stays, which the answer shows
+                if ends.ask.enqueue(Request::HostWatch { seconds: 0.0 }).is_err() {
+                    return self.busy();
+                }
             }
+            self.watch = watch;
+        }
+        let rendering = if self.watch.rendering { ", also while rendering" } else { "" };
+        match self.watch.seconds {
+            0.0 => self.ok(format_args!("watch off: no limit on the silence of the host")),
+            seconds => self.ok(format_args!(
+                "watch {} s: force off after this silence of the host{rendering}",
+                Text(seconds)
+            )),
+        }
+    }
+
+    fn last_mode(&self) -> Option<ModeId> {
+        self.last.map(|t| t.outputs.mode)
+    }
+
+    fn tell_limits(&mut self) {
+        let mut line = Line::new();
+        let _ = line.write_str("ok limit");
+        for (name, unit, what) in Limits::ALL {
+            let value = Text(self.limits.get(name).unwrap_or(f32::NAN));
+            let _ = write!(line, "; {name} {value} {unit}: {what}");
+        }
+        let _ = write!(line, "; motor at {:.0} % of its heat", Text(100.0 * self.monitor.heat()));
+        self.say(&line);
+    }
+
+    fn limit(&mut self, name: &str, value: f32) {
+        let Some(limits) = self.limits.with(name, value) else {
+            let [a, b, c] = Limits::ALL.map(|(name, ..)| name);
+            return self.err("UNKNOWN_PARAMETER", format_args!("`{name}`: expected one of {a}, {b}, {c}"));
+        };
+        match limits.validate(&self.device) {
+            Ok(()) => {
+                self.limits = limits;
+                let unit = Limits::ALL
+                    .into_iter()
+                    .find(|(known, ..)| *known == name)
+                    .map_or("", |(_, unit, _)| unit);
+                self.ok(format_args!("limit {name} {} {unit}", Text(value)));
+            }
+            Err(refused) => self.err("REFUSED", refused),
         }
     }
 
@@ -608,6 +724,9 @@ impl Desk {
         let _ = answer::handle(&t, &self.device, &mut line);
         let (step, late, unseen) = (t.step, board.late_steps(), self.unseen);
         let _ = write!(line, ", step {step}, {late} late, {unseen} missed by the console");
+        if board.clock_is_off() {
+            let _ = line.write_str(", internal clock (1 %)");
+        }
         if let Some(stream) = &self.stream {
             let _ = write!(line, ", stream on, {} frames dropped", stream.dropped());
         }
@@ -629,6 +748,9 @@ impl Desk {
             let _ = moment(&earlier.fault, &mut line);
             if let Some((path, at)) = &earlier.panicked_at {
                 let _ = write!(line, ", panicked at {path}:{at}");
+            }
+            if let Some([pc, lr, cfsr]) = earlier.crashed_at {
+                let _ = write!(line, ", crashed at pc {pc:#010x}, lr {lr:#010x}, cfsr {cfsr:#010x}");
             }
         }
         self.say(&line);

@@ -2,6 +2,7 @@
 
 mod answer;
 mod calibrate;
+mod contact;
 mod control_loop;
 mod desk;
 mod listing;
@@ -10,6 +11,7 @@ mod output;
 mod selftest;
 mod stream;
 
+pub use contact::{Contact, Lamp};
 pub use control_loop::ControlLoop;
 pub use desk::Desk;
 pub use off::{Listener, OffSwitch};
@@ -73,6 +75,8 @@ pub struct Earlier {
     pub fault: FaultReport,
     /// End of the path, and the line, of a panic.
     pub panicked_at: Option<(heapless::String<40>, u32)>,
+    /// Program counter, return address and fault status (CFSR) of a crash.
+    pub crashed_at: Option<[u32; 3]>,
 }
 
 // Sizes of the queues: one more than may wait. Powers of two where possible, which is faster in the interrupt.

@@ -23,6 +23,14 @@ pub trait Board {
     /// Time since the start, ms. Wraps.
     fn now_ms(&self) -> u32;
 
+    /// Source of the clock of all times, and its error if that is large.
+    fn clock(&self) -> &'static str;
+
+    /// Whether that error enters velocity and time.
+    fn clock_is_off(&self) -> bool {
+        false
+    }
+
     /// Disables the amplifier at once, ahead of the control loop, which keeps it off.
     fn off(&mut self) {}
 

@@ -5,20 +5,21 @@
 //! | signal | pin | connector | how |
 //! | --- | --- | --- | --- |
 //! | encoder A, B | PA0, PA1 | A0, A1 | TIM2 channels 1, 2, pull-up, 3.3 V |
-//! | force command | PA4 | A2 | DAC1 channel 1: 0 V … 3.3 V is −10 N … +10 N, 1.65 V is no force |
-//! | load cell | PC0 | A5 | ADC1 input 6, 0 V … 3.3 V, from a buffer that drives 1 kΩ |
+//! | force command | PA4 | A2 | DAC1 channel 1, 0.2 V … 3.1 V: 1.65 V is no force, 1 V is 6.67 N |
+//! | load cell | PC0 | A5 | ADC1 input 6, 0 V … 3.3 V, from at most 250 Ω |
 //! | accelerometer | PC1 | A4 | ADC1 input 7, likewise |
 //! | amplifier enable | PB5 | D4 | TIM3 channel 2, high: on. **Fit 10 kΩ to ground**: the pin floats while the chip is in reset |
 //! | emergency stop | PC7 | D9 | closed to ground: run. Open, pressed or broken wire: fault. Without a switch fit a bridge |
+//! | amplifier fault | PB10 | D6 | closed to ground: healthy. Open or broken wire: fault while force is on. Without one fit a bridge |
 //! | serial line | PA2, PA3 | ST-LINK | LPUART1, 921 600 baud, the virtual COM port of the board |
 //! | alive | PA5 | LD2 | blinks while the loop is healthy |
 //!
 //! # Timing contract
 //!
 //! ```text
-//! TIM6 update (1 to 20 kHz)       JEOS                     TIM7 update        TIM6 update
-//!   |-- load cell 16×, accel 16× --|-- control step --|         |                  |
-//!   0                          14.3 µs              23 µs     33.5 µs         1 ms … 50 µs
+//! TIM6 update (1 to 20 kHz)                          JEOS                TIM7 update   TIM6 update
+//!   |- one 16× for nothing, load cell 16×, accel 16× -|-- control step --|    |             |
+//!   0                                             21.5 µs             31 µs  40.6 µs    1 ms … 50 µs
 //!   ADC1 triggered            interrupt, encoder    DHR    DAC output changes
 //! ```
 //!
@@ -41,11 +42,17 @@
 //! chip within [`WATCHDOG_US`]. After an unexpected reset the loop starts with a latched fault that gives
 //! the reason: `watchdog`, `panic`, `crash`, `brown_out`.
 //!
+//! **Clock.** 170 MHz from the crystal X3. If it does not start, from the internal oscillator, which `version` and `status` say. If
+//! it stops, the clock security system interrupts: force off, and a restart with the fault `clock`.
+//!
 //! **Brown-out.** When VDD falls below 2.9 V the voltage detector's interrupt drops the enable line within
 //! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR).
 //!
 //! **Emergency stop.** Open for three periods: the enable line falls in the third, independent of the control step, and the fault
 //! is raised every other period while the switch is open, so that `clear` has no effect.
+//!
+//! **Amplifier fault.** Open for three periods in which the amplifier is enabled: likewise. It is not read while the amplifier is
+//! disabled: many report a fault then, or have no supply.
 
 pub mod black_box;
 mod ccm;
@@ -53,33 +60,35 @@ pub mod enable;
 pub mod flash;
 mod last_words;
 mod listener;
+mod pins;
 mod setup;
 
 pub use setup::ResetCause;
 
 use super::Board;
-use crate::app::{ControlEnds, ControlLoop, Earlier};
+use crate::app::{Contact, ControlEnds, ControlLoop, Earlier, Lamp};
 use crate::presets::NotStored;
 use core::sync::atomic::{
     AtomicBool, AtomicPtr, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
 };
 use embassy_executor::SendSpawner;
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
-use embassy_stm32::gpio::{Flex, Input, Level, Output, Pull, Speed};
+use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::peripherals::{self, ADC1, IWDG};
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{bind_interrupts, interrupt, pac, triggers};
 use haptics::{Device, FaultKind, Inputs};
+use pins::{AmplifierFault, EmergencyStop};
 use static_cell::StaticCell;
 
 /// Rate of core, timers and time stamps, Hz.
 pub const TICK_HZ: u32 = 170_000_000;
 /// Rate of the control loop after a start, Hz.
 pub const LOOP_HZ: u32 = haptics::RATES[0];
-/// From the start of conversion to the change of the force, ns. The conversions take 14.3 µs.
-const LATCH_NS: u32 = 33_500;
+/// From the start of conversion to the change of the force, ns. The conversions take 21.5 µs.
+const LATCH_NS: u32 = 40_600;
 /// Time without a healthy loop after which the chip resets, µs.
 pub const WATCHDOG_US: u32 = 50_000;
 /// Baud rate of the serial line.
@@ -88,8 +97,10 @@ pub const BAUD: u32 = 921_600;
 pub const RX_BYTES: usize = 512;
 /// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
 const RX_WAKE: usize = 32;
-/// Force per code of the DAC, N. Code 2048 is no force.
-pub const NEWTON_PER_CODE: f32 = 10.0 / 2048.0;
+/// Force per code of the DAC, N: ±11 N from rail to rail. Code 2048 is no force.
+pub const NEWTON_PER_CODE: f32 = 11.0 / 2048.0;
+/// Largest force that the output can ask for, N: its buffer ends 0.2 V from the rails of 3.3 V [ds12288, "DAC characteristics"].
+const ELECTRICAL_FORCE: f32 = 11.0 * (1.65 - 0.2) / 1.65;
 /// Time from the encoder reading, after the conversions, to the change of the force, s.
 const DELAY_S: f32 = 20e-6;
 /// Code of no force.
@@ -99,7 +110,6 @@ const PACE_DIVIDER: u32 = 4;
 const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000 * (LATCH_NS / 100) / 10_000;
 /// Ticks of a control period after a start.
 const PERIOD_TICKS: u32 = TICK_HZ / LOOP_HZ;
-const STOP_PIN: usize = 7;
 /// Longest time from the stamp of a sample to the reading of its edge, ticks: 6 µs.
 const SAMPLING_TICKS: u32 = 1_000;
 
@@ -107,25 +117,22 @@ bind_interrupts!(struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Owned by the interrupt after [`Peripherals::start`].
+/// Owned by the interrupt after [`Peripherals::start`]. In this order: see [`ControlLoop`].
+#[repr(C)]
 struct Loop {
     hardware: Hardware,
-    control: ControlLoop,
     ends: ControlEnds<'static>,
     /// Fault raised in the next step.
     pending: Option<FaultKind>,
     /// Consecutive steps whose force came out late.
     late: u32,
-    /// Consecutive periods with an open emergency stop.
-    stop_open: u32,
     /// Period of the timers, ticks.
     period_ticks: u32,
     /// Whether a fault of the board was raised in the last period.
     raised: bool,
+    control: ControlLoop,
 }
 
-/// Consecutive open periods that are an emergency stop. Shorter is contact bounce.
-const STOP_PERIODS: u32 = 3;
 /// Consecutive late forces that are a fault: the bounds on stiffness and damping hold for [`DELAY_S`], and a late force comes a
 /// period later.
 const LATE_STEPS: u32 = 3;
@@ -133,13 +140,11 @@ const LATE_STEPS: u32 = 3;
 impl Loop {
     fn step(&mut self) {
         let inputs = self.hardware.sample();
-        self.stop_open = if pac::GPIOC.idr().read().idr(STOP_PIN) == pac::gpio::vals::Idr::HIGH {
-            self.stop_open.saturating_add(1)
-        } else {
-            0
-        };
-        let trouble = if self.stop_open >= STOP_PERIODS {
+        let amplifier = self.hardware.amplifier_fault.is_open(self.hardware.enabled);
+        let trouble = if self.hardware.emergency_stop.is_open(true) {
             Some(FaultKind::EmergencyStop)
+        } else if amplifier {
+            Some(FaultKind::Amplifier)
         } else if SUPPLY_LOW.load(Relaxed) {
             Some(FaultKind::BrownOut)
         } else {
@@ -179,6 +184,8 @@ impl Loop {
 
 /// State of the control interrupt: passed once, before it is enabled, and owned by it from then on.
 static LOOP: AtomicPtr<Loop> = AtomicPtr::new(core::ptr::null_mut());
+/// The crystal did not start.
+static INTERNAL_CLOCK: AtomicBool = AtomicBool::new(false);
 /// The supply is below the threshold of the voltage detector.
 static SUPPLY_LOW: AtomicBool = AtomicBool::new(false);
 static STEPS: AtomicU32 = AtomicU32::new(0);
@@ -238,8 +245,9 @@ fn PVD_PVM() {
 
 /// Peripherals that the control step uses through registers.
 struct Hardware {
-    _adc: InjectedAdc<'static, ADC1, 2>,
-    _emergency_stop: Input<'static>,
+    _adc: InjectedAdc<'static, ADC1, 3>,
+    emergency_stop: Contact<EmergencyStop>,
+    amplifier_fault: Contact<AmplifierFault>,
     /// Whether the last step wanted the amplifier.
     enabled: bool,
 }
@@ -252,7 +260,8 @@ impl Hardware {
             w.set_jeos(true);
             w.set_jeoc(true);
         });
-        let [load_code, accel_code] = [pac::ADC1.jdr(0).read().jdata(), pac::ADC1.jdr(1).read().jdata()];
+        // the first conversion after a pause may be wrong [es0430, "ADC: wrong result if conversion done late"]: not used
+        let [load_code, accel_code] = [pac::ADC1.jdr(1).read().jdata(), pac::ADC1.jdr(2).read().jdata()];
         Inputs { sample_ticks, count, edge_ticks, load_code, accel_code }
     }
 
@@ -321,7 +330,7 @@ pub struct Peripherals {
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
-    pub led: Output<'static>,
+    pub led: Lamp<Output<'static>>,
     /// Reason of the start.
     pub reset_cause: ResetCause,
 }
@@ -332,7 +341,11 @@ impl Peripherals {
     pub fn boot() -> Self {
         setup::boost();
         setup::stack_floats_at_once();
-        let p = embassy_stm32::init(setup::clocks());
+        setup::guard_stack();
+        let crystal = setup::start_crystal();
+        let p = embassy_stm32::init(setup::clocks(crystal));
+        setup::full_speed(crystal);
+        INTERNAL_CLOCK.store(!crystal, Relaxed);
         setup::prefetch();
         setup::freeze_watchdog_for_debuggers();
         let reset_cause = setup::reset_cause();
@@ -366,17 +379,24 @@ impl Peripherals {
             w.set_ovss(0); // … summed, not shifted: 16 bit
         });
         let time = SampleTime::CYCLES6_5;
+        // SAFETY: both belong to the converter, which owns them for good
+        let again = unsafe { p.PC0.clone_unchecked() };
         let adc = adc.setup_injected_conversions(
-            [(p.PC0.degrade_adc(), time), (p.PC1.degrade_adc(), time)],
+            [(again.degrade_adc(), time), (p.PC0.degrade_adc(), time), (p.PC1.degrade_adc(), time)],
             triggers::TIM6_TRGO,
             Exten::RISING_EDGE,
             true,
         );
         Self {
-            hardware: Hardware { _adc: adc, _emergency_stop: Input::new(p.PC7, Pull::Up), enabled: false },
+            hardware: Hardware {
+                _adc: adc,
+                emergency_stop: Contact::new(EmergencyStop::new(p.PC7)),
+                amplifier_fault: Contact::new(AmplifierFault::new(p.PB10)),
+                enabled: false,
+            },
             console,
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
-            led: Output::new(p.PA5, Level::Low, Speed::Low),
+            led: Lamp::new(Output::new(p.PA5, Level::Low, Speed::Low)),
             reset_cause,
         }
     }
@@ -402,7 +422,6 @@ impl Peripherals {
             ends,
             pending: boot_fault,
             late: 0,
-            stop_open: 0,
             raised: false,
             period_ticks: PERIOD_TICKS,
         });
@@ -429,7 +448,7 @@ pub struct Rest {
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
-    pub led: Output<'static>,
+    pub led: Lamp<Output<'static>>,
     /// Executor above the tasks.
     pub listener: SendSpawner,
 }
@@ -445,7 +464,9 @@ impl Board for Nucleo {
 
     fn device(&self) -> Device {
         // the rig of [thesis, table 3-1] with the clock and rate of this board
-        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, ..Device::default() }
+        let rig = Device::default();
+        let force_max = rig.force_max.min(ELECTRICAL_FORCE);
+        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, force_max, ..rig }
     }
 
     fn now_ms(&self) -> u32 {
@@ -454,6 +475,18 @@ impl Board for Nucleo {
 
     fn off(&mut self) {
         enable::drop_now();
+    }
+
+    fn clock(&self) -> &'static str {
+        if self.clock_is_off() {
+            "internal clock, off by up to 1 %: the crystal does not start"
+        } else {
+            "crystal"
+        }
+    }
+
+    fn clock_is_off(&self) -> bool {
+        INTERNAL_CLOCK.load(Relaxed)
     }
 
     fn late_steps(&self) -> u32 {
@@ -483,7 +516,11 @@ impl Board for Nucleo {
 
 /// A fault of the processor itself.
 #[cortex_m_rt::exception]
-unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+    make_safe();
+    // SAFETY: a read of a register that only the core writes
+    let cfsr = unsafe { (*cortex_m::peripheral::SCB::PTR).cfsr.read() };
+    black_box::crashed_at(frame.pc(), frame.lr(), cfsr);
     restart(FaultKind::Crash)
 }
 

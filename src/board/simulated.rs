@@ -26,6 +26,8 @@ const UNREAD: usize = 1 << 20;
 const POINTING: f64 = 100.0;
 /// Longest wait for a search of the stops, ms.
 const LONGEST_SEARCH_MS: u32 = 60_000;
+/// Force of the amplifier with its input at 0 V, N.
+const BROKEN_COMMAND: f64 = 11.0;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
 
@@ -119,6 +121,8 @@ pub struct SimulatedBoard {
     counted_from: u32,
     hand: Holder,
     force: f64,
+    /// The wire of the command is broken: 0 V, the full negative force.
+    command_broken: bool,
     milliseconds: u64,
     library: Library<SimulatedFlash>,
     stored: Option<Result<(), NotStored>>,
@@ -142,8 +146,8 @@ const HELP: &[HelpLine] = &[
     },
     HelpLine { usage: "sim block none|brass|teflon|rubber", what: "a real block on the handle (table 3-3)" },
     HelpLine {
-        usage: "sim wire encoder|load|accel|amplifier right|swapped|dead",
-        what: "a wiring error for `selftest` to find",
+        usage: "sim wire encoder|load|accel|amplifier|command right|swapped|dead|floating",
+        what: "a wiring error, for `selftest` or the safety checks to find",
     },
     HelpLine { usage: "sim hang NEWTON", what: "a weight on the load cell, for `calibrate`" },
     HelpLine { usage: "sim tilt up|down|level", what: "gravity on the accelerometer, for `calibrate`" },
@@ -165,6 +169,7 @@ impl SimulatedBoard {
             counted_from,
             hand: Holder::Nobody,
             force: 0.0,
+            command_broken: false,
             milliseconds: 0,
             library,
             stored: None,
@@ -191,7 +196,11 @@ impl SimulatedBoard {
     }
 
     fn drive(&mut self, outputs: &Outputs) {
-        self.force = if outputs.amplifier { f64::from(outputs.force) } else { 0.0 };
+        self.force = match (outputs.amplifier, self.command_broken) {
+            (true, false) => f64::from(outputs.force),
+            (true, true) => -BROKEN_COMMAND,
+            (false, _) => 0.0,
+        };
     }
 
     fn sim(&mut self, words: &[&str], out: &mut dyn Write) -> Result<(), &'static str> {
@@ -262,9 +271,14 @@ impl SimulatedBoard {
                     t.actuator_force
                 );
             }
+            ["wire", "command", how @ ("right" | "dead")] => {
+                self.command_broken = *how == "dead";
+                let _ = write!(out, "wire of command {how}");
+            }
+            ["wire", "command", how] => return Err(wrong(out, how, "right, dead")),
             ["wire", signal @ ("encoder" | "load" | "accel" | "amplifier"), how] => {
                 let Some(wire) = Wire::from_id(how) else {
-                    return Err(wrong(out, how, "right, swapped, dead"));
+                    return Err(wrong(out, how, "right, swapped, dead, floating"));
                 };
                 let mut config = *self.rig.config();
                 match *signal {
@@ -276,7 +290,7 @@ impl SimulatedBoard {
                 let _ = self.rig.reconfigure(config);
                 let _ = write!(out, "wire of {signal} {how}");
             }
-            ["wire", word, ..] => return Err(wrong(out, word, "encoder, load, accel, amplifier")),
+            ["wire", word, ..] => return Err(wrong(out, word, "encoder, load, accel, amplifier, command")),
             ["hang", text] => {
                 let weight = number(out, "NEWTON", text, 44.0)?;
                 let bench = Bench { weight, ..self.rig.config().bench };
@@ -331,6 +345,10 @@ impl Board for SimulatedBoard {
     fn now_ms(&self) -> u32 {
         // wraps as on the board
         self.milliseconds as u32
+    }
+
+    fn clock(&self) -> &'static str {
+        "virtual time"
     }
 
     fn late_steps(&self) -> u32 {

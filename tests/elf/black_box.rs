@@ -59,6 +59,8 @@ pub fn a_reset_reports_its_reason_and_motion() {
         assert!((number_after(&first, "force ") + 2.0).abs() < 0.3, "{first}");
         // the line that the emulated panic names
         assert_eq!(first.ends_with(":7"), kind == "panic", "{first}");
+        // where the processor was sent
+        assert_eq!(first.contains(", crashed at pc 0x60000000, lr 0x"), kind == "crash", "{first}");
     }
 }
 

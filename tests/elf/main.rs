@@ -9,6 +9,7 @@ extern crate untested;
 mod agreement;
 mod black_box;
 mod board;
+mod clock;
 mod cycles;
 mod endurance;
 mod flash;
@@ -33,7 +34,7 @@ use haptics::ModeId;
 use link::Frame;
 use std::process::ExitCode;
 
-/// Distance of the force's output from the end of conversion, µs: 33.5 µs after the trigger, of which the conversions take 14.3 µs.
+/// Distance of the force's output from the end of conversion, µs: 40.6 µs after the trigger, of which the conversions take 21.5 µs.
 const LATENCY_US: f64 = 19.2;
 
 fn main() -> ExitCode {
@@ -45,6 +46,9 @@ fn main() -> ExitCode {
             agreement::target_and_host_search_the_stops_bit_for_bit,
             black_box::a_reset_reports_its_reason_and_motion,
             black_box::a_crash_keeps_the_first_fault,
+            clock::a_board_without_its_crystal_runs_and_says_so,
+            clock::a_crystal_that_stops_takes_the_force_and_the_device_goes_on_without_it,
+            clock::an_internal_clock_off_by_one_percent_loses_no_step_and_no_byte,
             cycles::every_law_under_every_renderer_stays_within_the_cycles_of_a_step,
             cycles::cycles_of_every_law_and_of_a_bond,
             cycles::cycles_of_every_effect,
@@ -69,6 +73,7 @@ fn main() -> ExitCode {
             origin::home_finds_the_middle_from_anywhere_in_the_stroke,
             origin::a_reset_in_mid_stroke_leaves_the_device_unreferenced,
             origin::a_start_at_a_stop_drives_nothing_into_it,
+            the_full_force_reaches_the_output_both_ways,
             power_up::every_reset_cause_boots_and_unexpected_ones_are_faults,
             power_up::the_first_power_up_of_the_readme_works,
             power_up::a_single_bank_of_flash_keeps_no_presets,
@@ -87,6 +92,7 @@ fn main() -> ExitCode {
             safety::only_driving_needs_a_talking_host,
             selftest::selftest_names_each_wiring_error,
             selftest::two_weights_calibrate_the_load_cell,
+            selftest::without_its_flash_a_calibration_warns,
             velocity::an_edge_at_any_instruction_of_the_sampling_leaves_the_velocity,
             velocity::pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale,
         ]
@@ -95,6 +101,21 @@ fn main() -> ExitCode {
             .needing(&TOOLCHAIN)
             .on_demand("builds the firmware eight times; a step of .ci/run"),
     )
+}
+
+/// The buffer of the output once ended it at 8.8 N.
+fn the_full_force_reaches_the_output_both_ways() {
+    for hand in [9.4, -9.4] {
+        let mut board = Board::ready();
+        board.ok("preset use rubber");
+        board.ok("set f_static 9.48");
+        board.ok("render on");
+        board.machine.set_hand(move |_: f64, _: f64, v: f64| hand - 20.0 * v);
+        board.run(400.0);
+        println!("hand {hand} N: the amplifier is told {:.3} N", board.machine.force());
+        assert!(-board.machine.force() * hand.signum() > 9.3, "{}", board.machine.force());
+        assert_eq!(board.ok("fault"), "ok no fault");
+    }
 }
 
 fn no_step_is_missed_under_full_load() {

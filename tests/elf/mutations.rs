@@ -26,6 +26,15 @@ fn check(image: &Image) -> Vec<String> {
     let _ = machine.serial_read();
     let at_rest = machine.force();
     wants(at_rest.abs() < 0.5, format!("at rest the amplifier is told {at_rest:.2} N"));
+    let load = load_under_5_newton(image);
+    wants((load - 5.0).abs() < 0.5, format!("5 N on the load cell are {load:.2} N"));
+    let mut stopping = Machine::free_handle(image, 1);
+    stopping.run_for(50.0);
+    stopping.serial_write(b"render on\n");
+    stopping.run_for(20.0);
+    stopping.set_crystal(false);
+    stopping.run_for(3.0);
+    wants(!stopping.amplifier_on(), "enable line high 3 ms after the crystal stopped".into());
     // some 40 mm/s to and fro: 16 edges in a period
     machine.set_hand(|t: f64, _: f64, v: f64| 3.0 * (20.0 * t).sin() - 2.0 * v);
     machine.run_for(50.0);
@@ -115,6 +124,19 @@ fn check(image: &Image) -> Vec<String> {
     saw
 }
 
+/// What the device says of 5 N on its load cell, N.
+fn load_under_5_newton(image: &Image) -> f64 {
+    let mut machine = Machine::free_handle(image, 1);
+    machine.put_on_bench(plant::Bench { weight: 5.0, gravity: 0.0 }).expect("in range");
+    machine.run_for(50.0);
+    let _ = machine.serial_read();
+    machine.serial_write(b"status\n");
+    machine.run_for(10.0);
+    let said = String::from_utf8_lossy(&machine.serial_read()).into_owned();
+    let number = said.split(", load ").nth(1).and_then(|rest| rest.split(' ').next()).map(str::parse);
+    number.and_then(Result::ok).unwrap_or(f64::NAN)
+}
+
 /// Largest relative error of the velocity while edges sweep over the sampling.
 fn velocity_error(machine: &mut Machine) -> f64 {
     let interval = 2 * 170_000 + 1;
@@ -154,7 +176,7 @@ const SETUP: &str = "src/board/nucleo_g474re/setup.rs";
 const BOARD: &str = "src/board/nucleo_g474re.rs";
 const ENABLE: &str = "src/board/nucleo_g474re/enable.rs";
 
-const MUTANTS: [Mutant; 12] = [
+const MUTANTS: [Mutant; 19] = [
     Mutant {
         what: "ADC trigger: TIM3 instead of TIM6",
         file: BOARD,
@@ -231,6 +253,55 @@ const MUTANTS: [Mutant; 12] = [
         right: "const PULSE_QUARTERS: u32 = 7;",
         wrong: "const PULSE_QUARTERS: u32 = 11;",
         shows: "enable line high",
+    },
+    Mutant {
+        what: "power interface without its clock",
+        file: SETUP,
+        right: "    pac::RCC.apb1enr1().modify(|w| w.set_pwren(true));\n",
+        wrong: "",
+        shows: "PWR used without its clock",
+    },
+    Mutant {
+        what: "converter not calibrated",
+        file: BOARD,
+        right: "        let adc = Adc::new(p.ADC1, AdcConfig::default());\n",
+        wrong: "        let adc = Adc::new(p.ADC1, AdcConfig::default());\n        pac::ADC1.calfact().write(|w| w.0 = 0);\n",
+        shows: "ADC1 used without its calibration",
+    },
+    Mutant {
+        what: "load cell and accelerometer exchanged",
+        file: BOARD,
+        right: "[pac::ADC1.jdr(1).read().jdata(), pac::ADC1.jdr(2).read().jdata()]",
+        wrong: "[pac::ADC1.jdr(2).read().jdata(), pac::ADC1.jdr(1).read().jdata()]",
+        shows: "5 N on the load cell",
+    },
+    Mutant {
+        what: "the first conversion after a pause used",
+        file: BOARD,
+        right: "[pac::ADC1.jdr(1).read().jdata(), pac::ADC1.jdr(2).read().jdata()]",
+        wrong: "[pac::ADC1.jdr(0).read().jdata(), pac::ADC1.jdr(2).read().jdata()]",
+        shows: "5 N on the load cell",
+    },
+    Mutant {
+        what: "AHB not divided while switching to 170 MHz",
+        file: SETUP,
+        right: "    config.rcc.ahb_pre = AHBPrescaler::DIV2;\n",
+        wrong: "    config.rcc.ahb_pre = AHBPrescaler::DIV1;\n",
+        shows: "with an undivided AHB",
+    },
+    Mutant {
+        what: "no clock security",
+        file: SETUP,
+        right: "        pac::RCC.cr().modify(|w| w.set_csson(true));\n",
+        wrong: "",
+        shows: "after the crystal stopped",
+    },
+    Mutant {
+        what: "PLL for a crystal of 25 MHz: the clock 4 % off",
+        file: SETUP,
+        right: "mul: PllMul::MUL85,",
+        wrong: "mul: PllMul::MUL82,",
+        shows: "a force every",
     },
     Mutant {
         what: "DAC trigger: TIM6 instead of TIM7",

@@ -38,6 +38,31 @@ fn moving() -> Board {
     board
 }
 
+/// A block that sticks, pushed with this force, N: the motor holds against it.
+fn holding<const NEWTON: u32>() -> Board {
+    let mut board = Board::ready();
+    board.ok("preset use rubber");
+    board.ok("set f_static 9.4");
+    board.ok("render on");
+    let newton = f64::from(NEWTON);
+    board.machine.set_hand(move |_: f64, _: f64, v: f64| newton - 20.0 * v);
+    board.run(300.0);
+    assert!((board.machine.force() + newton).abs() < 0.5, "{}", board.machine.force());
+    board
+}
+
+/// A sine that the accelerometer sees well.
+fn shaking() -> Board {
+    let mut board = Board::ready();
+    board.ok("move sine 0.008 3");
+    board.run(1_500.0);
+    board
+}
+
+fn wire(wiring: Wiring) -> impl Fn(&mut Board) {
+    move |board| board.machine.rewire(wiring)
+}
+
 /// Runs until something is true, at most `ms`.
 fn until(board: &mut Board, ms: f64, mut is: impl FnMut(&Board) -> bool) {
     let end = board.machine.milliseconds() + ms;
@@ -221,6 +246,99 @@ const CASES: &[Case] = &[
         repair: nothing,
     },
     Case {
+        fault: "clock",
+        how: "the crystal stops",
+        start: rendering,
+        inject: |board| board.machine.set_crystal(false),
+        within: TICK,
+        repair: nothing,
+    },
+    Case {
+        fault: "force_contradicted",
+        how: "command wire broken: 0 V",
+        start: rendering,
+        inject: |board| board.machine.break_command(true),
+        within: 20.0,
+        repair: |board| board.machine.break_command(false),
+    },
+    Case {
+        fault: "force_contradicted",
+        how: "load cell floats at mid-scale, 5 N held",
+        start: holding::<5>,
+        inject: |board| wire(Wiring { load: Wire::Floating, ..Wiring::default() })(board),
+        within: 30.0,
+        repair: |board| board.machine.rewire(Wiring::default()),
+    },
+    Case {
+        fault: "force_contradicted",
+        how: "load cell shows 6 N that are not there",
+        start: rendering,
+        inject: |board| board.machine.put_on_bench(Bench { weight: 6.0, gravity: 0.0 }).expect("in range"),
+        within: 20.0,
+        repair: |board| board.machine.put_on_bench(Bench::default()).expect("in range"),
+    },
+    Case {
+        fault: "force_contradicted",
+        how: "amplifier loses its supply, 5 N held",
+        start: holding::<5>,
+        inject: |board| wire(Wiring { amplifier: Wire::Dead, ..Wiring::default() })(board),
+        within: 30.0,
+        repair: |board| board.machine.rewire(Wiring::default()),
+    },
+    Case {
+        fault: "sensor_dead",
+        how: "accelerometer floats while driven",
+        start: shaking,
+        inject: |board| wire(Wiring { accel: Wire::Floating, ..Wiring::default() })(board),
+        within: 1_000.0,
+        repair: |board| board.machine.rewire(Wiring::default()),
+    },
+    Case {
+        fault: "sensor_dead",
+        how: "load cell: always the same code",
+        start: rendering,
+        inject: |board| wire(Wiring { load: Wire::Dead, ..Wiring::default() })(board),
+        within: 505.0,
+        repair: |board| board.machine.rewire(Wiring::default()),
+    },
+    Case {
+        fault: "motor_hot",
+        how: "9 N held, heating in 5 s instead of 60",
+        start: || {
+            let mut board = holding::<9>();
+            board.ok("limit heating 5");
+            board
+        },
+        inject: nothing,
+        // 5 s · ln(1.27 / 0.27), from the end of the first 0.3 s on
+        within: 8_000.0,
+        repair: nothing,
+    },
+    Case {
+        fault: "amplifier",
+        how: "its fault output opens, 3rd sample",
+        start: rendering,
+        inject: |board| board.machine.set_amplifier_fault(true),
+        within: 2.0 + TICK,
+        repair: |board| board.machine.set_amplifier_fault(false),
+    },
+    Case {
+        fault: "host_silent",
+        how: "while rendering, `watch 1 render`",
+        start: || {
+            let mut board = rendering();
+            board.ok("watch 1 render");
+            board
+        },
+        inject: |board| {
+            board.machine.serial_write(b"\n");
+            board.machine.run_for(990.0);
+        },
+        // promises are 20 ms apart
+        within: 32.0,
+        repair: nothing,
+    },
+    Case {
         fault: "emergency_stop",
         how: "pressed, 3rd sample",
         start: rendering,
@@ -244,7 +362,7 @@ pub fn every_fault_switches_off_in_time() {
         let mut board = (case.start)();
         (case.inject)(&mut board);
         let injected = board.machine.milliseconds();
-        while board.machine.amplifier_on() && board.machine.milliseconds() - injected < 100.0 {
+        while board.machine.amplifier_on() && board.machine.milliseconds() - injected < 100.0 + case.within {
             board.machine.run_for(0.002);
         }
         let after = board.machine.milliseconds() - injected;

@@ -1,6 +1,7 @@
 //! The self-test and the calibration of the flashed ELF.
 
-use crate::board::Board;
+use crate::board::{Board, image};
+use emulator::{Machine, ResetCause};
 use plant::{Bench, Wire, Wiring};
 
 /// Names of the checks that failed.
@@ -57,4 +58,30 @@ pub fn two_weights_calibrate_the_load_cell() {
     board.run(20.0);
     let status = board.ok("status");
     assert!(status.contains(", load 9."), "{status}");
+    assert!(saved.ends_with("; in flash"), "{saved}");
+    // it once lasted until the device restarted
+    let kept = board.ok("calibrate status");
+    assert!(kept.contains(&format!("load: {unit:.7} N per code")), "{kept}");
+    for cause in [ResetCause::Pin, ResetCause::PowerOn] {
+        board.machine.reset_by(cause);
+        board.run(60.0);
+        assert_eq!(board.ok("calibrate status"), kept, "{cause:?}");
+    }
+}
+
+pub fn without_its_flash_a_calibration_warns() {
+    let mut machine = Machine::free_handle(image(), 1);
+    machine.set_dual_bank(false);
+    let mut board = Board::of(machine);
+    for weight in [0.0, 9.81] {
+        board.machine.put_on_bench(Bench { weight, gravity: 0.0 }).expect("in range");
+        board.run(20.0);
+        board.ok(&format!("calibrate load {weight}"));
+    }
+    let saved = board.ok("calibrate save");
+    println!("{saved}");
+    assert!(
+        saved.starts_with("ok warn: calibrate") && saved.contains("until the device restarts: "),
+        "{saved}"
+    );
 }

@@ -10,6 +10,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod clock;
 mod error;
 mod moves;
 mod origin;
@@ -19,6 +20,7 @@ mod session;
 mod transport;
 mod wire;
 
+pub use clock::ClockRatio;
 pub use error::{Error, Result};
 pub use moves::Move;
 pub use origin::reference;

@@ -3,6 +3,7 @@
 //! The file grows as `NAME.part`, metadata first, flushed ten times a second, and is renamed when complete. After a power cut
 //! the `.part` is a readable recording up to its last flush. A recording that is ended early is kept.
 
+use crate::clock::ClockRatio;
 use crate::error::{Error, Result};
 use crate::moves::Move;
 use crate::sample::{Header, Sample};
@@ -184,7 +185,9 @@ pub struct RecordingFile {
     path: PathBuf,
     out: BufWriter<File>,
     samples: u64,
+    created: Instant,
     flushed: Instant,
+    clock: ClockRatio,
 }
 
 impl RecordingFile {
@@ -196,7 +199,8 @@ impl RecordingFile {
         let file = File::create(files::part(path)).map_err(|e| FileError::unwritable(path, &e))?;
         let mut out = BufWriter::new(file);
         write_head(&mut out, heads, plan).map_err(|e| FileError::unwritable(path, &e))?;
-        Ok(Self { path: path.to_owned(), out, samples: 0, flushed: Instant::now() })
+        let (created, clock) = (Instant::now(), ClockRatio::default());
+        Ok(Self { path: path.to_owned(), out, samples: 0, created, flushed: created, clock })
     }
 
     /// Appends a sample.
@@ -205,6 +209,7 @@ impl RecordingFile {
     /// The file cannot be written.
     pub fn write(&mut self, sample: &Sample) -> Result<()> {
         self.samples += 1;
+        self.clock.sample(sample.time, self.created.elapsed().as_secs_f64());
         let flush = self.flushed.elapsed() > Duration::from_millis(100);
         let written =
             write_row(&mut self.out, sample).and_then(|()| if flush { self.out.flush() } else { Ok(()) });
@@ -220,7 +225,11 @@ impl RecordingFile {
     /// The file cannot be written.
     pub fn finish(mut self, lost: u64) -> Result<u64> {
         let part = files::part(&self.path);
-        writeln!(self.out, "# lost_samples: {lost}")
+        let ratio = match self.clock.measured() {
+            Some((ratio, error)) => format!("# clock_ratio: {ratio:.6} +- {error:.6} (device / computer)\n"),
+            None => String::new(),
+        };
+        writeln!(self.out, "{ratio}# lost_samples: {lost}")
             .and_then(|()| self.out.flush())
             .and_then(|()| self.out.get_ref().sync_all())
             .and_then(|()| std::fs::rename(&part, &self.path))

@@ -114,6 +114,7 @@ pub fn diagnose_watched(
         // so slow that the noise of its acceleration asks for a filter that leaves nothing
         cutoff = intake.cutoff(Some(least));
     }
+    intake.thin(cutoff);
     if let Some(first) = DesignMatrix::new(&intake.stretches, cutoff, intake.reversals, false) {
         intake.static_branch(static_branch::delta_v(&first.tracks));
         intake.take_out(&drift::find(&first, train.len()));
@@ -389,7 +390,8 @@ impl Run<'_> {
                 },
             },
             detectable: bound,
-            judged_share: design.judged_share(),
+            judged_share: design.judged_share() * self.intake.fitted,
+            fitted_share: self.intake.fitted,
             cutoff_hz: cutoff,
             nuisances: self.nuisances(&last),
             validation,
@@ -656,6 +658,7 @@ fn untestable(intake: Intake, because: &str) -> Diagnosis {
         remainder: Remainder { rms: f64::NAN, located_at: Vec::new() },
         detectable: f64::NAN,
         judged_share: 0.0,
+        fitted_share: 0.0,
         cutoff_hz: f64::NAN,
         nuisances: Vec::new(),
         validation: Vec::new(),

@@ -332,6 +332,8 @@ pub struct Diagnosis {
     /// Share of the samples that were judged: those at which the body slides and the direction is known. At rest friction
     /// is whatever balances the applied force, and says nothing.
     pub judged_share: f64,
+    /// Share of the samples that was fitted: of a recording with more than about 100 000, evenly spread parts.
+    pub fitted_share: f64,
     /// Cut-off of the one zero-phase filter, Hz; every error above is behind it.
     pub cutoff_hz: f64,
     /// Nuisances that were declared to differ between the recordings fitted, relative to the first.

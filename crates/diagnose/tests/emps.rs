@@ -28,7 +28,11 @@ fn main() -> ExitCode {
 
 fn emps() -> Recording {
     let map: Map = "time_s=t,position_m=qm,force_n=gtau*vir,reference_m=qg".parse().expect("a map");
-    Recording::read(recordings(FILE).expect("a path"), &ReadOptions { map: Some(map) }).expect("EMPS")
+    Recording::read(
+        recordings(FILE).expect("a path"),
+        &ReadOptions { map: Some(map), ..ReadOptions::default() },
+    )
+    .expect("EMPS")
 }
 
 fn part(recording: &Recording, from: usize, to: usize) -> Recording {

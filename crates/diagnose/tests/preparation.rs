@@ -100,7 +100,7 @@ fn identification_and_diagnosis_see_one_real_machine() {
     }
     let compared = files.par_iter().filter(|(path, map)| {
         let map = (!map.is_empty()).then(|| map.parse::<Map>().expect("a map"));
-        agree(&Recording::read(path, &ReadOptions { map }).expect("a recording"))
+        agree(&Recording::read(path, &ReadOptions { map, ..ReadOptions::default() }).expect("a recording"))
     });
     let (compared, files) = (compared.count(), files.len());
     println!("{compared} of {files} files compared");

@@ -42,7 +42,7 @@ fn files(folder: &str, part: &str) -> Vec<PathBuf> {
 
 fn read(path: &PathBuf, map: &str) -> Recording {
     let map: Map = map.parse().expect("a map");
-    Recording::read(path, &ReadOptions { map: Some(map) }).expect("a recording")
+    Recording::read(path, &ReadOptions { map: Some(map), ..ReadOptions::default() }).expect("a recording")
 }
 
 fn part(r: &Recording, from: usize, to: usize) -> Recording {

@@ -11,7 +11,8 @@ use std::collections::BTreeSet;
 
 fn read(file: &str, map: &str) -> Recording {
     let map: Map = map.parse().expect("a map");
-    Recording::read(fixtures::folder().join(file), &ReadOptions { map: Some(map) }).expect("a recording")
+    Recording::read(fixtures::folder().join(file), &ReadOptions { map: Some(map), ..ReadOptions::default() })
+        .expect("a recording")
 }
 
 fn found(train: &[Recording], judge: &[Recording]) -> Diagnosis {

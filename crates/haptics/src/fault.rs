@@ -62,7 +62,7 @@ kinds! {
         /// A sample that came too late or too early.
         MissedDeadline = 6, "missed_deadline", "a control period was missed; if it happens again, report it";
         /// The host broke its promise to report in time.
-        HostSilent = 7, "host_silent", "the host was silent for too long while the handle was driven; check host and cable, see `watch`";
+        HostSilent = 7, "host_silent", "the host was silent for too long while the force was on; check host and cable, see `watch`";
         /// Raised by the board: amplifier, supply or watchdog.
         Hardware = 8, "hardware", "the board reports a fault of amplifier, supply or watchdog";
         /// Emergency stop.
@@ -79,6 +79,16 @@ kinds! {
         Crash = 14, "crash", "the processor met an invalid address or instruction and restarted; report what happened before";
         /// The force of several steps in a row came out one period late.
         LateForce = 15, "late_force", "the control step took too long, so the force came a period late; choose a lower rate or another law";
+        /// The fault output of the amplifier.
+        Amplifier = 16, "amplifier", "the amplifier reports a fault, or the wire of its fault output is broken; check its supply, its current and the wire";
+        /// Load cell and motion contradict the commanded force.
+        ForceContradicted = 17, "force_contradicted", "load cell and motion contradict the commanded force; check the wire of the command, the supply of the amplifier, and the load cell (`calibrate load`)";
+        /// A sensor without any noise, or one that does not follow the motion.
+        SensorDead = 18, "sensor_dead", "load cell or accelerometer shows nothing of what the handle does; check its cable and supply, then `selftest`";
+        /// I²t from the command.
+        MotorHot = 19, "motor_hot", "the motor took more force than it bears for this long; let it cool for a minute";
+        /// The crystal stopped.
+        Clock = 20, "clock", "the crystal of the board stopped, and the device restarted; `version` shows whether the crystal runs again";
     }
 }
 

@@ -17,6 +17,11 @@ pub struct Inputs {
     pub accel_code: u16,
 }
 
+impl Inputs {
+    /// Highest code of a converter: the sum of 16 12-bit conversions.
+    pub const TOP_CODE: u16 = 16 * 4_095;
+}
+
 /// Result of one control step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Outputs {

@@ -11,9 +11,6 @@ pub(crate) const DRIVEN: f32 = -0.5e-3;
 /// A handle that is held reaches the stops in normal use. It faults beyond them, m.
 pub(crate) const HELD: f32 = 1e-3;
 
-/// Highest code: the sum of 16 12-bit conversions.
-const TOP_CODE: u16 = 65_520;
-
 /// Motion in one step, as the checks see it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Motion {
@@ -102,7 +99,7 @@ impl Guard {
 pub(crate) fn at_rail(device: &Device, inputs: &Inputs) -> bool {
     let low = device.rail_codes;
     // one comparison for both ends: below `low` the difference wraps
-    let span = TOP_CODE.saturating_sub(low).saturating_sub(low);
+    let span = Inputs::TOP_CODE.saturating_sub(low).saturating_sub(low);
     inputs.load_code.wrapping_sub(low) > span || inputs.accel_code.wrapping_sub(low) > span
 }
 

@@ -29,7 +29,8 @@ fn main() -> ExitCode {
 
 fn emps() -> Recording {
     let map: Map = "time_s=t,position_m=qm,force_n=gtau*vir,reference_m=qg".parse().unwrap();
-    Recording::read(recordings(FILE).unwrap(), &ReadOptions { map: Some(map) }).unwrap()
+    Recording::read(recordings(FILE).unwrap(), &ReadOptions { map: Some(map), ..ReadOptions::default() })
+        .unwrap()
 }
 
 fn fitted(recording: &Recording, how: &Preprocess, options: &KarnoppOptions) -> Identification {

@@ -47,10 +47,21 @@ pub enum Command<'a> {
     SelfTest,
     /// `calibrate …`
     Calibrate(Calibrate),
-    /// `watch [SECONDS]`: longest silence of the host while it drives the handle; 0 is no limit.
-    Watch(Option<f32>),
+    /// `watch [SECONDS [render]]`: longest silence of the host.
+    Watch(Option<Watch>),
+    /// `limit [NAME VALUE]`: a limit of the slow checks.
+    Limit(Option<(&'a str, f32)>),
     /// `rate [HZ]`: control rate.
     Rate(Option<u32>),
+}
+
+/// Longest silence of the host.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Watch {
+    /// While it drives the handle, s. 0 is no limit.
+    pub seconds: f32,
+    /// Whether that holds for rendering, too.
+    pub rendering: bool,
 }
 
 /// A sensor that can be calibrated.
@@ -211,6 +222,7 @@ impl<'a> Command<'a> {
             "stream" => Self::Stream(stream(&mut words)?),
             "calibrate" => Self::Calibrate(calibrate(&mut words)?),
             "watch" => Self::Watch(watch(&mut words)?),
+            "limit" => Self::Limit(limit(&mut words)?),
             "rate" => Self::Rate(rate(&mut words)?),
             _ => return Err(BadCommand::Unknown(word)),
         };
@@ -281,14 +293,23 @@ fn calibrate<'a>(words: &mut Words<'a>) -> Result<Calibrate, BadCommand<'a>> {
 
 const WATCH: &str = "a number of seconds from 1 to 3600, or 0 for no watch";
 
-fn watch<'a>(words: &mut Words<'a>) -> Result<Option<f32>, BadCommand<'a>> {
+fn watch<'a>(words: &mut Words<'a>) -> Result<Option<Watch>, BadCommand<'a>> {
     let Some(text) = words.rest.next() else { return Ok(None) };
     let seconds = finite("SECONDS", text, WATCH)?;
-    if seconds == 0.0 || (1.0..=3600.0).contains(&seconds) {
-        Ok(Some(seconds))
-    } else {
-        Err(BadCommand::NotANumber("SECONDS", text, WATCH))
+    if !(seconds == 0.0 || (1.0..=3600.0).contains(&seconds)) {
+        return Err(BadCommand::NotANumber("SECONDS", text, WATCH));
     }
+    let rendering = match words.rest.next() {
+        None => false,
+        Some("render") => true,
+        Some(word) => return Err(BadCommand::NotOneOf(word, "render, or nothing")),
+    };
+    Ok(Some(Watch { seconds, rendering }))
+}
+
+fn limit<'a>(words: &mut Words<'a>) -> Result<Option<(&'a str, f32)>, BadCommand<'a>> {
+    let Some(name) = words.rest.next() else { return Ok(None) };
+    Ok(Some((name, finite("VALUE", words.next()?, "a finite number of N or s")?)))
 }
 
 const RATE: &str = "1000, 2000, 5000, 10000 or 20000";
@@ -338,8 +359,11 @@ mod tests {
             ("calibrate load 4.905", Command::Calibrate(Calibrate::Point(Sensor::Load, 4.905))),
             ("calibrate save", Command::Calibrate(Calibrate::Save)),
             ("watch", Command::Watch(None)),
-            ("watch 0", Command::Watch(Some(0.0))),
-            ("watch 2.5", Command::Watch(Some(2.5))),
+            ("watch 0", Command::Watch(Some(Watch { seconds: 0.0, rendering: false }))),
+            ("watch 2.5", Command::Watch(Some(Watch { seconds: 2.5, rendering: false }))),
+            ("watch 2 render", Command::Watch(Some(Watch { seconds: 2.0, rendering: true }))),
+            ("limit", Command::Limit(None)),
+            ("limit heating 30", Command::Limit(Some(("heating", 30.0)))),
             ("rate", Command::Rate(None)),
             ("rate 5000", Command::Rate(Some(5000))),
         ] {
@@ -367,6 +391,9 @@ mod tests {
                 "VALUE",
                 "SECONDS = `-1`: expected a number of seconds from 1 to 3600, or 0 for no watch",
             ),
+            ("watch 2 rendre", "SYNTAX", "`rendre`: expected one of render, or nothing"),
+            ("limit heating", "SYNTAX", "missing word; usage: `limit [NAME VALUE]`"),
+            ("limit heating NaN", "VALUE", "VALUE = `NaN`: expected a finite number of N or s"),
             ("rate 3000", "VALUE", "HZ = `3000`: expected 1000, 2000, 5000, 10000 or 20000"),
             ("set dv", "SYNTAX", "missing word; usage: `set PARAM VALUE`"),
         ] {

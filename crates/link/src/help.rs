@@ -38,7 +38,11 @@ pub const HELP: &[HelpLine] = &[
     line("home", "searches both stops and the middle between them, slowly and with little force; hands off"),
     line("stream on|off [DECIMATION]", "binary frames, one every DECIMATION control periods"),
     line("identify", "identifies the block on the device in 12 s; hands off the handle"),
-    line("watch [SECONDS]", "longest silence of the host while it drives the handle; 0: no limit"),
+    line(
+        "watch [SECONDS [render]]",
+        "longest silence of the host while it drives the handle, or renders, too; 0: no limit",
+    ),
+    line("limit [NAME VALUE]", "limits of force balance and motor heat, until the device restarts"),
     line("status", "state, preset, handle, force, losses"),
     line("fault", "shows the latched fault and its remedy"),
     line("clear", "leaves the fault state; handle at rest, hands off"),

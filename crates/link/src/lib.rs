@@ -21,10 +21,12 @@ mod off;
 mod preset;
 pub mod reply;
 
-pub use command::{BadCommand, Calibrate, Command, PresetCommand, Sensor};
+pub use command::{BadCommand, Calibrate, Command, PresetCommand, Sensor, Watch};
 pub use decoder::{Corrupt, Decoder, Item};
 pub use frame::{Channel, Frame, Header, MAX_WIRE, Sample, decode_payload, encode};
 pub use help::{HELP, HelpLine};
 pub use line::{BadLine, LineEditor, MAX_LINE};
 pub use off::OffDetector;
-pub use preset::{Change, DEFAULT_KEY, IDENTIFIED, MAX_ITEM, MAX_SAVED, Name, PresetError, PresetStore};
+pub use preset::{
+    CALIBRATION_KEY, Change, DEFAULT_KEY, IDENTIFIED, MAX_ITEM, MAX_SAVED, Name, PresetError, PresetStore,
+};

@@ -420,16 +420,14 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         let (count, edge_ticks) = match wiring.encoder {
             Wire::Right => (count, edge_ticks),
             Wire::Swapped => (count.wrapping_neg(), edge_ticks),
-            Wire::Dead => (self.sensors.count, self.sensors.edge_ticks),
+            Wire::Dead | Wire::Floating => (self.sensors.count, self.sensors.edge_ticks),
         };
         let load = (self.truth.force_at_load_cell + self.config.bench.weight) * self.config.load.gain
-            + self.config.load.offset
-            + self.load_noise.draw(self.config.load.noise);
-        let load = wiring.load.pass(load).unwrap_or(0.0);
+            + self.config.load.offset;
+        let load = wiring.load.sense(load, self.load_noise.draw(self.config.load.noise));
         let accel = (self.truth.acceleration + self.config.bench.gravity) * self.config.accel.gain
-            + self.config.accel.offset
-            + self.accel_noise.draw(self.config.accel.noise);
-        let accel = wiring.accel.pass(accel).unwrap_or(0.0);
+            + self.config.accel.offset;
+        let accel = wiring.accel.sense(accel, self.accel_noise.draw(self.config.accel.noise));
         Sensors {
             sample_ticks: nominal.wrapping_add(self.jitter as u32),
             count,

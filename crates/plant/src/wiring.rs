@@ -10,26 +10,38 @@ pub enum Wire {
     Swapped,
     /// No contact. A sensor keeps its value (analogue: the code of zero, without noise); an amplifier gives no force.
     Dead,
+    /// No contact at the input of a converter that floats: the code of zero, with the noise of the sensor. Elsewhere as
+    /// [`Wire::Dead`].
+    Floating,
 }
 
 impl Wire {
-    /// The wiring named `right`, `swapped` or `dead`.
+    /// The wiring named `right`, `swapped`, `dead` or `floating`.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         match id {
             "right" => Some(Self::Right),
             "swapped" => Some(Self::Swapped),
             "dead" => Some(Self::Dead),
+            "floating" => Some(Self::Floating),
             _ => None,
         }
     }
 
-    /// Factor on a signal; `None` for a dead one.
+    /// What becomes of a signal; `None` without contact.
     pub(crate) fn pass(self, signal: f64) -> Option<f64> {
         match self {
             Self::Right => Some(signal),
             Self::Swapped => Some(-signal),
-            Self::Dead => None,
+            Self::Dead | Self::Floating => None,
+        }
+    }
+
+    /// What a converter sees of a signal with this noise.
+    pub(crate) fn sense(self, signal: f64, noise: f64) -> f64 {
+        match self {
+            Self::Floating => noise,
+            _ => self.pass(signal + noise).unwrap_or(0.0),
         }
     }
 }

@@ -7,20 +7,20 @@ use std::path::Path;
 /// Time between two joined recordings, sampling periods: more than any bridged gap.
 const GAP: f64 = 1000.0;
 
-/// Reads all recordings, each with the map that its file needs: `SIGNAL=VARIABLE,…`.
+/// Reads all recordings, each with the map that its file needs: `SIGNAL=VARIABLE,…`; of files with several joints, `joint`.
 ///
 /// # Errors
 /// File, line, column, value and what would be accepted, for the first failure; a map that no file needs.
-pub fn read_all(paths: &[impl AsRef<Path>], maps: &[String]) -> Result<Vec<Recording>> {
+pub fn read_all(paths: &[impl AsRef<Path>], maps: &[String], joint: Option<&str>) -> Result<Vec<Recording>> {
     let mut used = vec![false; maps.len()];
     let mut recordings = Vec::with_capacity(paths.len());
     for path in paths.iter().map(AsRef::as_ref) {
         let parsed = maps_of(path, maps)?;
-        if path.is_dir() {
+        if path.is_dir() && !signals::is_bag(path) {
             return Err(Error::in_file(path, &"is a directory, not a recording"));
         }
         let (recording, map) =
-            Recording::read_with_maps(path, &parsed).map_err(|e| Error::in_file(path, &e))?;
+            Recording::read_with_maps(path, &parsed, joint).map_err(|e| Error::in_file(path, &e))?;
         if let Some(index) = map.and_then(|map| parsed.iter().position(|m| m == map)) {
             used[index] = true;
         }
@@ -29,7 +29,8 @@ pub fn read_all(paths: &[impl AsRef<Path>], maps: &[String]) -> Result<Vec<Recor
     if let (Some(index), Some(first)) = (used.iter().position(|used| !used), paths.first()) {
         let (first, map) = (first.as_ref(), maps_of(first.as_ref(), maps)?.swap_remove(index));
         // a map with a slip is refused with what the file has
-        Recording::read(first, &ReadOptions { map: Some(map) }).map_err(|e| Error::in_file(first, &e))?;
+        let options = ReadOptions { map: Some(map), joint: joint.map(str::to_owned) };
+        Recording::read(first, &options).map_err(|e| Error::in_file(first, &e))?;
         return Err(Error::option("map", format!("no file needs `{}`", maps[index]))
             .with_help("the map of a file is the first whose variables it has"));
     }
@@ -132,10 +133,10 @@ mod tests {
         let foreign = file("foreign.csv", "t,x,f\n0,1,2\n1,2,3\n");
         let maps = |maps: &[&str]| maps.iter().map(|m| (*m).to_owned()).collect::<Vec<_>>();
         let map = "time_s=t,position_m=x,force_n=10*f";
-        let both = read_all(&[&own, &foreign], &maps(&[map])).expect("both are read");
+        let both = read_all(&[&own, &foreign], &maps(&[map]), None).expect("both are read");
         assert_eq!((&both[0].force[..], &both[1].force[..]), (&[2.0, 3.0][..], &[20.0, 30.0][..]));
         let says = |paths: &[&PathBuf], given: &[&str]| {
-            read_all(paths, &maps(given)).expect_err("refused").to_string()
+            read_all(paths, &maps(given), None).expect_err("refused").to_string()
         };
         // a map that nothing needs is a slip, and is refused with what the file has
         assert!(says(&[&own], &[map]).contains("no variable `t`; it has time_s, position_m, force_n"));

@@ -28,8 +28,16 @@ pub(crate) fn owned(recordings: &[PyRef<'_, Recording>]) -> Vec<signals::Recordi
 
 /// Reads files, each with the map that it needs.
 #[pyfunction]
-pub(crate) fn read(py: Python<'_>, paths: Vec<PathBuf>, maps: Vec<String>) -> PyResult<Vec<Recording>> {
-    let read = work::run(py, None, move |_| read_all(&paths, &maps).map_err(|e| errors::of_procedure(&e)))??;
+pub(crate) fn read(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    maps: Vec<String>,
+    joint: Option<String>,
+) -> PyResult<Vec<Recording>> {
+    let read = move |_: &work::Watched| {
+        read_all(&paths, &maps, joint.as_deref()).map_err(|e| errors::of_procedure(&e))
+    };
+    let read = work::run(py, None, read)??;
     Ok(read.into_iter().map(Recording::from).collect())
 }
 
@@ -70,6 +78,12 @@ impl Recording {
     #[getter]
     fn metadata(&self) -> BTreeMap<String, String> {
         self.inner.metadata.clone()
+    }
+
+    /// What reading did to the numbers.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.inner.remarks.clone()
     }
 
     /// Median time between samples, s.

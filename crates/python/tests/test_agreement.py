@@ -30,6 +30,18 @@ def test_identification_is_the_commands(command, files, options, names):
     assert found.model.to_toml() == (files / "model.toml").read_text()
 
 
+def test_a_joint_of_several_is_the_commands(command, files):
+    rows = ["time_s,a_position_m,a_force_n,b_position_m,b_force_n", "0,1,2,3,4", "0.001,5,6,7,8"]
+    (files / "two.csv").write_text("\n".join(rows) + "\n")
+    said = command(files, "convert", "two.csv", "b.parquet", "--joint", "b")
+    assert said.returncode == 0, said.stderr
+    theirs, own = tribos.read(files / "b.parquet"), tribos.read(files / "two.csv", joint="b")
+    assert own.columns["force_n"].tolist() == [4.0, 8.0] and own.remarks == []
+    assert {k: v.tolist() for k, v in own.columns.items()} == {k: v.tolist() for k, v in theirs.columns.items()}
+    with pytest.raises(tribos.RecordingError, match="accepted is --joint with one of a, b"):
+        tribos.read(files / "two.csv")
+
+
 def test_diagnosis_is_the_commands(command, files):
     flags = ["--validate", "again.csv", "--json", "-", "--out", "d.toml", "--report", "d.html"]
     said = command(files, "diagnose", "slide.csv", *flags)

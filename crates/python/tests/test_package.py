@@ -128,7 +128,7 @@ def test_columns_are_kept_whatever_their_memory(recording):
         ({"time_s": [0, 1], "position_m": [0, 1], "force_n": [0]}, "force_n has 1 samples, time_s has 2"),
         ({"time_s": [0, 1], "position_m": [[0], [1]], "force_n": [0, 1]}, "position_m has the shape (2, 1)"),
         ({"time_s": [0, 1], "position_m": [0, 1], "force_n": [1j, 1]}, "the type complex128"),
-        ({"time_s": [0, 1], "position_m": [0, 1], "force_N": [0, 1]}, "no variable force_n"),
+        ({"time_s": [0, 1], "position_m": [0, 1], "force_N": [0, 1]}, "`force_N` is an unknown column; accepted is force_n"),
         ({"time_s": [], "position_m": [], "force_n": []}, "no samples"),
         ({"time_s": [0, 1], "position_m": [0, 1], "force_n": [0, 1], "velocity_mm_s": [0, 1]}, "velocity_m_s"),
         ({}, "no variable time_s"),

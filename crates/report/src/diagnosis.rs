@@ -590,6 +590,13 @@ fn method(page: &mut Page, d: &Diagnosis) {
         escape(&d.noise_floor.how),
         number(d.cutoff_hz, 3)
     );
+    if d.fitted_share < 1.0 {
+        let _ = write!(
+            list,
+            "<li>Parts spread evenly over the recording were fitted, {} of its samples.</li>",
+            percent(d.fitted_share)
+        );
+    }
     if d.detectable.is_finite() {
         let _ = write!(
             list,

@@ -114,6 +114,7 @@ fn stribeck(n: usize) -> Diagnosis {
         left_out: None,
         detectable: 0.011,
         judged_share: 1.0,
+        fitted_share: 1.0,
         cutoff_hz: 40.0,
         validation: vec![Validation {
             recording: "brass-2.csv".into(),

@@ -38,6 +38,46 @@ pub fn subtract_scaled(from: &mut [f64], times: f64, column: &[f64]) {
     );
 }
 
+/// Columns of a basis that are projected on together: the column they are taken out of is read once for all.
+const TOGETHER: usize = 4;
+
+/// [`dot`] of several columns with one.
+fn dots(columns: [&[f64]; TOGETHER], with: &[f64]) -> [f64; TOGETHER] {
+    let n = columns.iter().map(|c| c.len()).fold(with.len(), usize::min);
+    let columns = columns.map(|c| c[..n].as_chunks::<8>());
+    let (with, rest) = with[..n].as_chunks::<8>();
+    let sums = Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let mut sums = [[0.0; 8]; TOGETHER];
+            for (k, x) in with.iter().enumerate() {
+                for (sum, (column, _)) in sums.iter_mut().zip(&columns) {
+                    for ((s, q), x) in sum.iter_mut().zip(&column[k]).zip(x) {
+                        *s += q * x;
+                    }
+                }
+            }
+            sums
+        },
+    );
+    std::array::from_fn(|i| {
+        sums[i].iter().sum::<f64>() + columns[i].1.iter().zip(rest).map(|(q, x)| q * x).sum::<f64>()
+    })
+}
+
+/// [`subtract_scaled`] of several columns from one.
+fn subtract_all(from: &mut [f64], times: [f64; TOGETHER], columns: [&[f64]; TOGETHER]) {
+    let [a, b, c, d] = columns;
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for ((((x, a), b), c), d) in from.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                *x -= (times[0] * a + times[1] * b) + (times[2] * c + times[3] * d);
+            }
+        },
+    );
+}
+
 /// An orthonormal basis of the columns pushed so far.
 #[derive(Debug, Clone, Default)]
 pub struct Basis {
@@ -76,7 +116,13 @@ impl Basis {
         let mut rest = column.to_vec();
         let mut size = dot(&rest, &rest);
         for _ in 0..3 {
-            for q in &self.columns {
+            let (groups, others) = self.columns.as_chunks::<TOGETHER>();
+            for group in groups {
+                let group = group.each_ref().map(Vec::as_slice);
+                let along = dots(group, &rest);
+                subtract_all(&mut rest, along, group);
+            }
+            for q in others {
                 let along = dot(q, &rest);
                 subtract_scaled(&mut rest, along, q);
             }

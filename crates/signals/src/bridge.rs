@@ -72,6 +72,7 @@ pub fn bridged(recording: &Recording) -> Bridged {
         // of the original recording: nothing behind this reads them
         extra: std::collections::BTreeMap::new(),
         metadata: recording.metadata.clone(),
+        remarks: recording.remarks.clone(),
     };
     let filled = touched.into_iter().filter(|t| *t).count();
     let why = format!("{filled} samples in gaps of at most four are put in from those on either side");

@@ -1,6 +1,8 @@
 //! Names of columns, with their units, and the recording made of named columns.
 
+use crate::units::Unit;
 use crate::{Geometry, Recording};
+use friction::Dimension;
 
 /// What a column is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +16,21 @@ pub(crate) enum Slot {
     Command,
     Reference,
     Temperature,
+}
+
+impl Slot {
+    /// What its numbers measure; None for a temperature.
+    pub(crate) const fn dimension(self) -> Option<Dimension> {
+        Some(match self {
+            Self::Time => Dimension::TIME,
+            Self::Position | Self::Reference => Dimension::LENGTH,
+            Self::Velocity => Dimension::VELOCITY,
+            Self::Acceleration => Dimension::ACCELERATION,
+            Self::Force | Self::Command => Dimension::FORCE,
+            Self::NormalForce => Dimension::LOAD,
+            Self::Temperature => return None,
+        })
+    }
 }
 
 /// A name a column can have in a file.
@@ -52,6 +69,42 @@ pub(crate) static ALL: [Named; 15] = [
     named("temperature_c", Slot::Temperature, None),
 ];
 
+/// Names of quantities without a unit; the longer before the shorter that it contains.
+pub(crate) static QUANTITIES: [(&str, Slot); 10] = [
+    ("normal_force", Slot::NormalForce),
+    ("acceleration", Slot::Acceleration),
+    ("temperature", Slot::Temperature),
+    ("position", Slot::Position),
+    ("velocity", Slot::Velocity),
+    ("reference", Slot::Reference),
+    ("command", Slot::Command),
+    ("torque", Slot::Force),
+    ("force", Slot::Force),
+    ("time", Slot::Time),
+];
+
+/// A column's name without its unit: `position_m` → `position`.
+pub(crate) fn quantity(name: &str) -> &str {
+    QUANTITIES.iter().map(|(quantity, _)| *quantity).find(|q| name.starts_with(q)).unwrap_or(name)
+}
+
+/// The column that a quantity in a unit is, once in SI.
+pub(crate) fn in_unit(slot: Slot, unit: Unit) -> Option<&'static Named> {
+    let load =
+        slot == Slot::NormalForce && unit.geometry == SLIDE && unit.dimension == Some(Dimension::FORCE);
+    if !load && slot.dimension() != unit.dimension {
+        return None;
+    }
+    let of = |geometry| ALL.iter().find(|n| n.slot == slot && n.geometry == geometry);
+    of(unit.geometry).or_else(|| of(None).filter(|_| unit.geometry != AXIS))
+}
+
+/// SI unit of a column, as people write it.
+pub(crate) fn si(column: &Named) -> String {
+    let unit = |d: Dimension| d.unit(column.geometry.unwrap_or_default()).to_string();
+    column.slot.dimension().map_or_else(|| "°C".into(), unit)
+}
+
 /// Whether these columns make a recording.
 pub(crate) fn sufficient(slots: impl Iterator<Item = Slot>) -> bool {
     let slots: Vec<Slot> = slots.collect();
@@ -71,22 +124,6 @@ pub(crate) fn contradict(one: &Named, other: &Named) -> bool {
 /// Names that a wrong one may have been meant to be: the same quantity in another unit, or a slip of the pen.
 pub(crate) fn meant(name: &str) -> Vec<&'static str> {
     let name = name.trim().to_lowercase();
-    let quantity = |full: &'static str| {
-        [
-            "normal_force",
-            "acceleration",
-            "temperature",
-            "position",
-            "velocity",
-            "reference",
-            "command",
-            "torque",
-        ]
-        .into_iter()
-        .chain(["force", "time"])
-        .find(|q| full.starts_with(q))
-        .unwrap_or(full)
-    };
     let same = |n: &&Named| {
         let quantity = quantity(n.name);
         name == quantity

@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The file could not be opened, read or written.
-    #[error("{file}: {why}")]
+    #[error("{file}: {}", OneLine(why))]
     File {
         /// File.
         file: String,
@@ -15,7 +15,7 @@ pub enum Error {
         why: String,
     },
     /// Something at one place of a file.
-    #[error("{file}{place}: {}{}", Found(value).within(40), accepted.trim_start_matches([':', ' ']))]
+    #[error("{file}{place}: {}{}", Found(value).within(40), OneLine(accepted.trim_start_matches([':', ' '])))]
     Input {
         /// File.
         file: String,
@@ -27,7 +27,7 @@ pub enum Error {
         accepted: String,
     },
     /// A `--map` text that cannot be used.
-    #[error("map, column {column}: {why} in {}", Found(map).within(200).trim_end())]
+    #[error("map, column {column}: {} in {}", OneLine(why), Found(map).within(200).trim_end())]
     Map {
         /// The text.
         map: String,
@@ -47,7 +47,7 @@ pub enum Error {
         accepted: String,
     },
     /// The recording does not hold what the method needs.
-    #[error("{recording}: {why}")]
+    #[error("{recording}: {}", OneLine(why))]
     Recording {
         /// Its name.
         recording: String,
@@ -91,6 +91,15 @@ impl Found<'_> {
             shown.push('…');
         }
         format!("`{shown}` ")
+    }
+}
+
+/// A sentence with names from a file, which may hold anything.
+struct OneLine<'a>(&'a str);
+
+impl fmt::Display for OneLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.chars().flat_map(escaped).try_for_each(|c| fmt::Write::write_char(f, c))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Map texts: which variables of a file make which column, `time_s=t,position_m=qm,force_n=gtau*vir`.
 
 use crate::Error;
+#[cfg(feature = "ros2")]
+use crate::columns::Slot;
 use crate::columns::{self, Named};
 use std::str::FromStr;
 
@@ -9,7 +11,8 @@ const DEEPEST: usize = 64;
 
 /// A parsed map. Each entry is `COLUMN=EXPRESSION`; an expression is made of variables of the file, numbers, `+ - * /`,
 /// parentheses, `min(a, b)` and `max(a, b)`. A variable of one element is a constant, and `index` counts samples from 0. A name with other
-/// characters than letters, digits and `_` is put in quotes. The columns of a CSV file without header are `c1`, `c2`, …
+/// characters than letters, digits and `_` is put in quotes, unless it is a series of a log, `/ft:force.z`. The columns of a CSV file
+/// without header are `c1`, `c2`, …
 ///
 /// ```
 /// use signals::Map;
@@ -107,6 +110,17 @@ impl Map {
         out
     }
 
+    /// The first variable in what makes a column.
+    #[cfg(feature = "ros2")]
+    pub(crate) fn first_variable(&self, slot: Slot) -> Option<&str> {
+        let entry = self.entries.iter().find(|e| e.column.slot == slot)?;
+        let mut first = None;
+        entry.value.visit(&mut |name, _| {
+            first.get_or_insert(name);
+        });
+        first
+    }
+
     /// The map for a file, of several: the first whose variables the file all has; none where the file has columns of a
     /// recording by their names; otherwise the one that misses the fewest, whose refusal says what is missing.
     pub(crate) fn needed(maps: &[Self], has: impl Fn(&str) -> bool) -> Option<&Self> {
@@ -120,19 +134,8 @@ impl Map {
     }
 
     fn visit<'a>(&'a self, mut see: impl FnMut(&'a str, usize)) {
-        fn walk<'a>(e: &'a Expression, see: &mut impl FnMut(&'a str, usize)) {
-            match e {
-                Expression::Number(_) => {}
-                Expression::Variable(name, at) => see(name, *at),
-                Expression::Negative(inner) => walk(inner, see),
-                Expression::Binary(_, left, right) => {
-                    walk(left, see);
-                    walk(right, see);
-                }
-            }
-        }
         for entry in &self.entries {
-            walk(&entry.value, &mut see);
+            entry.value.visit(&mut see);
         }
     }
 
@@ -183,6 +186,19 @@ impl Map {
 }
 
 impl Expression {
+    /// Shows each variable with its place.
+    fn visit<'a>(&'a self, see: &mut impl FnMut(&'a str, usize)) {
+        match self {
+            Self::Number(_) => {}
+            Self::Variable(name, at) => see(name, *at),
+            Self::Negative(inner) => inner.visit(see),
+            Self::Binary(_, left, right) => {
+                left.visit(see);
+                right.visit(see);
+            }
+        }
+    }
+
     fn at<'v>(&self, i: usize, lookup: &impl Fn(&str) -> Option<&'v [f64]>) -> f64 {
         match self {
             Self::Number(value) => *value,
@@ -257,6 +273,10 @@ impl Parser<'_> {
             self.at += 1;
             return Ok(self.characters[from..self.at - 1].iter().collect());
         }
+        if self.peek() == Some('/') {
+            self.topic();
+            return Ok(self.characters[start..self.at].iter().collect());
+        }
         while self.peek().is_some_and(|c| c.is_alphanumeric() || c == '_') {
             self.at += 1;
         }
@@ -264,6 +284,20 @@ impl Parser<'_> {
             return Err(self.error(start, format!("{}, accepted is a name", self.found())));
         }
         Ok(self.characters[start..self.at].iter().collect())
+    }
+
+    /// A series of a log, `/robot/ft:force.z`: where a value is expected, a slash divides nothing.
+    fn topic(&mut self) {
+        let part = |c: char| c.is_alphanumeric() || c == '_';
+        while self.peek().is_some_and(|c| part(c) || c == '/') {
+            self.at += 1;
+        }
+        if self.peek() == Some(':') {
+            self.at += 1;
+            while self.peek().is_some_and(|c| part(c) || c == '.') {
+                self.at += 1;
+            }
+        }
     }
 
     fn sum(&mut self) -> Result<Expression, Error> {
@@ -333,7 +367,7 @@ impl Parser<'_> {
         self.skip_space();
         let start = self.at;
         if !self.peek().is_some_and(|c| c.is_ascii_digit() || c == '.') {
-            if !self.peek().is_some_and(|c| c.is_alphanumeric() || matches!(c, '_' | '"' | '\'')) {
+            if !self.peek().is_some_and(|c| c.is_alphanumeric() || matches!(c, '_' | '"' | '\'' | '/')) {
                 let why = format!("{}, accepted is a variable, a number or `(`", self.found());
                 return Err(self.error(start, why));
             }

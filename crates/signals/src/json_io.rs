@@ -3,16 +3,12 @@
 //! The samples are the file itself or a member of it with any name; the longest list is used. Numbers beside the list are constants
 //! for a map, and texts and numbers beside it are metadata. `true` is 1, `false` is 0, `null` is a missing value.
 
-use crate::mat_io::{Variable, assemble};
-use crate::{Error, Map, Recording};
+use crate::variables::{Variable, Wanted, assemble};
+use crate::{Error, Recording};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-pub(crate) fn read<'m>(
-    file: &str,
-    bytes: &[u8],
-    map: impl Fn(&dyn Fn(&str) -> bool) -> Option<&'m Map>,
-) -> Result<Recording, Error> {
+pub(crate) fn read(file: &str, bytes: &[u8], wanted: &Wanted) -> Result<Recording, Error> {
     let fail = |why: String| Error::File { file: file.into(), why };
     let root: Value = serde_json::from_slice(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
         .map_err(|e| fail(format!("is not JSON: {e}")))?;
@@ -22,8 +18,8 @@ pub(crate) fn read<'m>(
             r#"accepted is a list of samples, [{"time_s": 0.0, …}, …], or columns, {"time_s": [0.0, …], …}"#;
         return Err(fail(format!("has no samples; {accepted}")));
     }
-    let mut recording = assemble(file, &variables, map)?;
-    recording.metadata = metadata(&root);
+    let mut recording = assemble(file, variables, wanted)?;
+    recording.metadata.extend(metadata(&root));
     Ok(recording)
 }
 
@@ -68,8 +64,7 @@ fn variables(root: &Value) -> Vec<Variable> {
     }
     for (name, values) in columns {
         let kind = if values.len() == 1 { "number" } else { "list" };
-        let size = vec![i32::try_from(values.len()).unwrap_or(i32::MAX)];
-        out.push(Variable { name: name.to_string(), kind, size, values: Some(values) });
+        out.push(Variable::column(name, kind, values));
     }
     out
 }
@@ -90,6 +85,11 @@ fn metadata(root: &Value) -> BTreeMap<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Map;
+
+    fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Recording, Error> {
+        super::read(file, bytes, &Wanted { map: &|_| map, joint: None })
+    }
 
     #[test]
     fn samples_columns_constants_and_holes_are_read() {
@@ -97,20 +97,20 @@ mod tests {
         let text = br#"{"kp": 10, "motor": "x", "log": [{"t": 0, "q": 0.0, "goal": 0.1, "on": true},
             {"t": 0.1, "q": null, "goal": 5, "on": true}, {"t": 0.2, "q": 1.0, "goal": 9, "on": true},
             {"t": 0.3, "q": 1.0, "goal": 9, "on": false}]}"#;
-        let r = read("a.json", text, |_| Some(&map)).unwrap();
+        let r = read("a.json", text, Some(&map)).unwrap();
         assert_eq!(r.force[0], 1.0);
         assert!(r.position[1].is_nan() && r.force[1].is_nan());
         assert_eq!(r.force[2..], [12.0, 0.0]);
         assert_eq!(r.metadata["motor"], "x");
         let columns = br#"{"time_s": [0, 1], "position_m": [1, 2], "force_n": [3, 4]}"#;
-        assert_eq!(read("b.json", columns, |_| None).unwrap().force, [3.0, 4.0]);
+        assert_eq!(read("b.json", columns, None).unwrap().force, [3.0, 4.0]);
         for (bad, says) in [
             (&b"[1, 2"[..], "is not JSON"),
             (b"{}", "has no samples"),
             (b"[]", "has no samples"),
             (br#"[{"a": 1}, {"a": 2}]"#, "a (2 list)"),
         ] {
-            let said = read("bad.json", bad, |_| None).unwrap_err().to_string();
+            let said = read("bad.json", bad, None).unwrap_err().to_string();
             assert!(said.contains("bad.json") && said.contains(says), "{said}");
         }
     }

@@ -1,145 +1,137 @@
-//! Recordings from MATLAB files of version 5 (also 6 and 7, which compress).
+//! Recordings from and to MATLAB files of version 5 (also 6 and 7, which compress) [matlab-5].
 //!
 //! Read here rather than by a library: the one there is prints on standard output, stops silently at the first
 //! element it does not understand, and unpacks without limit. Real numeric arrays are read; of everything else the
 //! name and the kind are kept for messages.
+//!
+//! Written is a column of doubles per signal, named with its unit, so that reading back needs no map. MATLAB has no place for
+//! metadata and no names such as `j1/position_rad`: both are in one more variable, `tribos_about`, as JSON text.
 
-use crate::columns;
-use crate::error::Place;
-use crate::{Error, Map, Recording};
+use crate::variables::{Variable, Wanted, assemble};
+use crate::{Error, Geometry, Recording, limits};
+use miniz_oxide::inflate::TINFLStatus;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
-/// Largest variable that is unpacked, bytes.
-const LARGEST: usize = 512 << 20;
-
+const INT8: u32 = 1;
+const UINT16: u32 = 4;
+const INT32: u32 = 5;
+const UINT32: u32 = 6;
+const DOUBLE: u32 = 9;
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
+/// Array classes.
+const CHAR_CLASS: u32 = 4;
+const DOUBLE_CLASS: u32 = 6;
 
-pub(crate) fn read<'m>(
-    file: &str,
-    bytes: &[u8],
-    map: impl Fn(&dyn Fn(&str) -> bool) -> Option<&'m Map>,
-) -> Result<Recording, Error> {
-    let variables = variables(bytes).map_err(|why| Error::File { file: file.into(), why })?;
-    assemble(file, &variables, map)
+/// The variable that holds what MATLAB has no place for.
+const ABOUT: &str = "tribos_about";
+/// MATLAB's longest name.
+const LONGEST_NAME: usize = 63;
+
+/// What MATLAB has no place for.
+#[derive(Serialize, Deserialize)]
+struct About {
+    /// Of the recording.
+    metadata: BTreeMap<String, String>,
+    /// Names of columns by those of their variables, where they differ.
+    names: BTreeMap<String, String>,
 }
 
-/// The recording of columns in memory, by a map or by their own names.
-pub(crate) fn of_columns(
-    name: &str,
-    columns: Vec<(String, Vec<f64>)>,
-    maps: &[Map],
-) -> Result<Recording, Error> {
-    let variable = |(name, values): (String, Vec<f64>)| Variable {
-        name,
-        kind: "column",
-        size: vec![i32::try_from(values.len()).unwrap_or(i32::MAX)],
-        values: Some(values),
-    };
-    let variables: Vec<Variable> = columns.into_iter().map(variable).collect();
-    let mut mapped = false;
-    let mut recording = assemble(name, &variables, |has| {
-        let map = Map::needed(maps, has);
-        mapped = map.is_some();
-        map
-    })?;
-    if !mapped {
-        for Variable { name: column, values, .. } in variables {
-            if columns::find(&column).is_some() {
-                continue;
-            }
-            if !columns::meant(&column).is_empty() {
-                return Err(Error::Input {
-                    file: name.into(),
-                    place: Place::default(),
-                    value: column.clone(),
-                    accepted: format!("is an unknown column; {}", columns::advice(&column)),
-                });
-            }
-            recording.extra.insert(column, values.unwrap_or_default());
+pub(crate) fn read(file: &str, bytes: &[u8], wanted: &Wanted) -> Result<Recording, Error> {
+    let fail = |why: String| Error::File { file: file.into(), why };
+    let (mut variables, about) = variables(bytes).map_err(fail)?;
+    let about: Option<About> = match about {
+        Some(text) => {
+            Some(serde_json::from_str(&text).map_err(|e| fail(format!("{ABOUT}: is not JSON: {e}")))?)
         }
-        recording.check_lengths()?;
+        None => None,
+    };
+    for variable in &mut variables {
+        if let Some(name) = about.as_ref().and_then(|about| about.names.get(&variable.name)) {
+            variable.name.clone_from(name);
+        }
     }
+    let mut recording = assemble(file, variables, wanted)?;
+    recording.metadata.extend(about.map(|about| about.metadata).unwrap_or_default());
     Ok(recording)
 }
 
-/// The recording that the variables of a file make, by a map or by their own names.
-pub(crate) fn assemble<'m>(
-    file: &str,
-    variables: &[Variable],
-    map: impl FnOnce(&dyn Fn(&str) -> bool) -> Option<&'m Map>,
-) -> Result<Recording, Error> {
-    let has = variables.iter().map(Variable::says).collect::<Vec<_>>().join(", ");
-    let Some(map) = map(&|name| variables.iter().any(|v| v.name == name && v.values.is_some())) else {
-        return named(file, variables, &has);
-    };
-    let lookup = |name: &str| variables.iter().find(|v| v.name == name)?.values.as_deref();
-    let made = map.apply(lookup, &has)?;
-    columns::assemble(made).map_err(|missing| Error::Map {
-        map: map.text().into(),
-        column: 1,
-        why: format!("no {missing}; a recording needs time, position and force; the file has {has}"),
-    })
-}
-
-/// Without a map, variables may have the names of columns.
-fn named(file: &str, variables: &[Variable], has: &str) -> Result<Recording, Error> {
-    let fail = |why: String| Error::Input {
-        file: file.into(),
-        place: Place::default(),
-        value: String::new(),
-        accepted: format!(
-            "{why}; the file has {has}; say what they are with a map such as time_s=t,position_m=x,force_n=k*u"
-        ),
-    };
-    let mut found: Vec<(&'static columns::Named, Vec<f64>)> = Vec::new();
-    for variable in variables {
-        let (Some(column), Some(values)) = (columns::find(&variable.name), &variable.values) else {
-            continue;
-        };
-        if let Some((other, _)) =
-            found.iter().find(|(o, _)| o.slot == column.slot || columns::contradict(o, column))
-        {
-            return Err(fail(format!("{} beside {}", column.name, other.name)));
+/// The bytes of a file.
+pub(crate) fn write(file: &str, recording: &Recording) -> Result<Vec<u8>, Error> {
+    if recording.len() > (i32::MAX as usize) / 8 - 64 {
+        let why = "too long for a MATLAB v5 file; accepted are .csv, .mcap, .parquet and .h5".into();
+        return Err(Error::File { file: file.into(), why });
+    }
+    let about = format!(
+        "MATLAB 5.0 MAT-file, written by tribos {}, {}, SI units",
+        env!("CARGO_PKG_VERSION"),
+        if recording.geometry == Geometry::Rotary { "rotary" } else { "linear" }
+    );
+    let mut out = vec![b' '; 116];
+    for (to, from) in out.iter_mut().zip(about.bytes()) {
+        *to = from;
+    }
+    out.extend([0; 8]);
+    out.extend([0x00, 0x01, b'I', b'M']);
+    let mut about = About { metadata: recording.metadata.clone(), names: BTreeMap::new() };
+    for (name, values) in recording.all_columns() {
+        let variable =
+            if is_matlab_name(name) { name.into() } else { format!("column_{}", about.names.len() + 1) };
+        if variable != name {
+            about.names.insert(variable.clone(), name.into());
         }
-        found.push((column, values.clone()));
+        let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        matrix_out(&mut out, &variable, DOUBLE_CLASS, (values.len(), 1), DOUBLE, &data);
     }
-    let recording = columns::assemble(found).map_err(|missing| fail(format!("no variable {missing}")))?;
-    match recording.check_lengths() {
-        Err(Error::Recording { why, .. }) => Err(fail(why)),
-        _ if recording.is_empty() => Err(fail("no samples".into())),
-        _ => Ok(recording),
+    if !about.metadata.is_empty() || !about.names.is_empty() {
+        let text = serde_json::to_string(&about)
+            .map_err(|e| Error::File { file: file.into(), why: e.to_string() })?;
+        let units: Vec<u16> = text.encode_utf16().collect();
+        let data: Vec<u8> = units.iter().flat_map(|u| u.to_le_bytes()).collect();
+        matrix_out(&mut out, ABOUT, CHAR_CLASS, (1, units.len()), UINT16, &data);
     }
+    Ok(out)
 }
 
-/// A variable of the file.
-pub(crate) struct Variable {
-    pub name: String,
-    /// `double`, `struct`, …
-    pub kind: &'static str,
-    pub size: Vec<i32>,
-    /// Elements in the file's order, if it is a real numeric array.
-    pub values: Option<Vec<f64>>,
+fn is_matlab_name(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.len() <= LONGEST_NAME
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && !name.starts_with("column_")
+        && name != ABOUT
 }
 
-impl Variable {
-    fn says(&self) -> String {
-        let size = self.size.iter().map(i32::to_string).collect::<Vec<_>>().join("x");
-        format!("{} ({size} {})", self.name, self.kind)
-    }
+fn matrix_out(out: &mut Vec<u8>, name: &str, class: u32, size: (usize, usize), kind: u32, data: &[u8]) {
+    let mut body = Vec::with_capacity(data.len() + 128);
+    element_out(&mut body, UINT32, &[class.to_le_bytes(), [0; 4]].concat());
+    element_out(&mut body, INT32, &[(size.0 as i32).to_le_bytes(), (size.1 as i32).to_le_bytes()].concat());
+    element_out(&mut body, INT8, name.as_bytes());
+    element_out(&mut body, kind, data);
+    element_out(out, MATRIX, &body);
 }
 
-fn variables(bytes: &[u8]) -> Result<Vec<Variable>, String> {
+/// Tag, data, and zeros up to the next multiple of 8.
+fn element_out(out: &mut Vec<u8>, kind: u32, data: &[u8]) {
+    out.extend(kind.to_le_bytes());
+    out.extend((data.len() as u32).to_le_bytes());
+    out.extend(data);
+    out.resize(out.len().next_multiple_of(8), 0);
+}
+
+/// The variables, and the text of [`ABOUT`].
+fn variables(bytes: &[u8]) -> Result<(Vec<Variable>, Option<String>), String> {
     let big = match bytes.get(126..128) {
-        _ if bytes.starts_with(b"\x89HDF") || bytes.starts_with(b"MATLAB 7.3") => {
-            return Err("MATLAB 7.3 (HDF5) is not read; save it with `save -v7`".into());
-        }
         Some(b"IM") => false,
         Some(b"MI") => true,
-        _ => return Err("not a MATLAB file of version 5 to 7; save it with `save -v7`".into()),
+        _ => return Err("not a MATLAB file of version 5 to 7.3; save it with `save -v7`".into()),
     };
     let mut reader = Reader { bytes: &bytes[128..], big, offset: 128 };
     let mut out = Vec::new();
+    let mut about = None;
+    // what is unpacked in all stays within this, whatever a variable says of its size
+    let mut left = limits::total(bytes.len());
     while !reader.bytes.is_empty() {
         let place = reader.offset;
         let at = |why: String| format!("byte {place}: {why}");
@@ -147,8 +139,9 @@ fn variables(bytes: &[u8]) -> Result<Vec<Variable>, String> {
         let inner: Cow<[u8]> = match kind {
             MATRIX => data.into(),
             COMPRESSED => {
-                let unpacked = miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(data, LARGEST)
-                    .map_err(|e| at(format!("a variable cannot be unpacked: {e}")))?;
+                let unpacked = miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(data, left)
+                    .map_err(|e| at(cannot_unpack(e.status, left)))?;
+                left -= unpacked.len();
                 let mut one = Reader { bytes: &unpacked, big, offset: place };
                 match one.element(false).map_err(at)? {
                     (MATRIX, data) => data.to_vec().into(),
@@ -158,12 +151,29 @@ fn variables(bytes: &[u8]) -> Result<Vec<Variable>, String> {
             _ => continue,
         };
         let mut one = Reader { bytes: &inner, big, offset: place };
-        out.push(matrix(&mut one).map_err(at)?);
+        match matrix(&mut one).map_err(at)? {
+            Array::Numbers(variable) => out.push(variable),
+            Array::Text(name, text) if name == ABOUT => about = Some(text),
+            Array::Text(name, text) => out.push(Variable::other(name, "char", vec![1, text.chars().count()])),
+        }
     }
-    Ok(out)
+    Ok((out, about))
 }
 
-fn matrix(reader: &mut Reader) -> Result<Variable, String> {
+fn cannot_unpack(status: TINFLStatus, left: usize) -> String {
+    match status {
+        TINFLStatus::HasMoreOutput => limits::too_much("a variable", format!("more than {left}"), left),
+        status => format!("a variable cannot be unpacked: {status:?}"),
+    }
+}
+
+enum Array {
+    Numbers(Variable),
+    /// Name and characters.
+    Text(String, String),
+}
+
+fn matrix(reader: &mut Reader) -> Result<Array, String> {
     let (_, flags) = reader.element(true)?;
     let word = flags.first_chunk::<4>().ok_or("a variable without class")?;
     let word = if reader.big { u32::from_be_bytes(*word) } else { u32::from_le_bytes(*word) };
@@ -179,27 +189,37 @@ fn matrix(reader: &mut Reader) -> Result<Variable, String> {
         _ => "of an unknown class",
     };
     let (_, size) = reader.element(true)?;
-    let size: Vec<i32> = size
+    let size: Vec<usize> = size
         .chunks_exact(4)
         .map(|c| {
             let c = [c[0], c[1], c[2], c[3]];
-            if reader.big { i32::from_be_bytes(c) } else { i32::from_le_bytes(c) }
+            usize::try_from(if reader.big { i32::from_be_bytes(c) } else { i32::from_le_bytes(c) })
+                .unwrap_or(0)
         })
         .collect();
     let (_, name) = reader.element(true)?;
     let name = String::from_utf8_lossy(name).trim_end_matches('\0').to_string();
     let complex = word & 0x0800 != 0;
+    if word & 0xff == CHAR_CLASS
+        && let Ok((UINT16, data)) = reader.element(true)
+    {
+        let unit = |c: &[u8]| {
+            if reader.big { u16::from_be_bytes([c[0], c[1]]) } else { u16::from_le_bytes([c[0], c[1]]) }
+        };
+        let units: Vec<u16> = data.chunks_exact(2).map(unit).collect();
+        return Ok(Array::Text(name, String::from_utf16_lossy(&units)));
+    }
     if complex || !(6..=15).contains(&(word & 0xff)) {
-        return Ok(Variable { name, kind: if complex { "complex" } else { kind }, size, values: None });
+        return Ok(Array::Numbers(Variable::other(name, if complex { "complex" } else { kind }, size)));
     }
     let (stored, data) = reader.element(true)?;
     let values = numbers(stored, data, reader.big)
         .ok_or_else(|| format!("`{name}` has numbers of unknown type {stored}"))?;
-    let expected = size.iter().try_fold(1usize, |n, d| n.checked_mul(usize::try_from(*d).ok()?));
+    let expected = size.iter().try_fold(1usize, |n, d| n.checked_mul(*d));
     if expected != Some(values.len()) {
         return Err(format!("`{name}` is said to be {size:?} and has {} elements", values.len()));
     }
-    Ok(Variable { name, kind, size, values: Some(values) })
+    Ok(Array::Numbers(Variable { name, kind, size, values: Some(values), ..Variable::default() }))
 }
 
 /// The numbers as they are stored: MATLAB shrinks a double to the smallest integer type that holds it.

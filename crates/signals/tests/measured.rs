@@ -46,7 +46,7 @@ fn main() -> ExitCode {
 
 fn read(path: &Path, map: &str) -> Recording {
     let map: Map = map.parse().unwrap();
-    let r = Recording::read(path, &ReadOptions { map: Some(map) }).unwrap();
+    let r = Recording::read(path, &ReadOptions { map: Some(map), ..ReadOptions::default() }).unwrap();
     let dt = r.sample_period().unwrap();
     println!("{}: {} samples every {dt:.6} s, force {:.4} at first", r.name, r.len(), r.force[0]);
     assert!(r.force.iter().chain(&r.position).all(|x| x.is_finite()));

@@ -51,7 +51,7 @@ enum Command {
     Prove(prove::Args),
     /// Run a public benchmark of system identification by its official protocol, beside published rivals
     Benchmark(benchmark::Args),
-    /// Convert a recording: csv, mat (v5) in; csv, mat, mcap out
+    /// Convert a recording between text, MATLAB, HDF5, Parquet and MCAP, or from a ROS 2 bag
     Convert(convert::Args),
 }
 

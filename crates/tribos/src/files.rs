@@ -5,7 +5,7 @@ use signals::files::{self, FileError};
 use std::io::Write;
 use std::path::Path;
 
-pub(crate) use signals::files::{reason, through};
+pub(crate) use signals::files::reason;
 
 /// Checks that a path can be written, before any work.
 ///

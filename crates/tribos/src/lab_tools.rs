@@ -3,7 +3,7 @@
 use crate::commands::{diagnose as diagnosing, experiment as experimenting, identify as identifying};
 use crate::failure::{Failure, Result};
 use crate::options::Mapping;
-use crate::{files, mcap_file, reading};
+use crate::{files, reading};
 use client::Session;
 use lab::{Found, Progress, Tools};
 use perception::study;
@@ -95,6 +95,6 @@ impl Tools for HostTools {
 
     fn to_mcap(&self, recording: &Path, out: &Path) -> std::result::Result<(), String> {
         let recording = reading::read(recording, &Mapping::default()).map_err(words)?;
-        mcap_file::write(out, &recording).map_err(words)
+        recording.write(out).map(drop).map_err(|e| e.to_string())
     }
 }

@@ -16,14 +16,11 @@
 #![forbid(unsafe_code)]
 
 mod cli;
-mod columns;
 mod commands;
 mod console;
 mod failure;
 mod files;
 mod lab_tools;
-mod mat_file;
-mod mcap_file;
 mod options;
 mod progress;
 mod reading;

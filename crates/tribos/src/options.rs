@@ -48,7 +48,7 @@ impl From<PreprocessChoice> for Preprocessing {
 /// Recordings to read.
 #[derive(Debug, Clone, clap::Args)]
 pub struct Recordings {
-    /// Recordings: CSV, .mat (v5) or .json; signals named with their units, or by --map
+    /// Recordings: text, .mat, .json, .h5, .parquet, .mcap, ROS 2 bags; signals named with their units, or by --map
     #[arg(required = true, value_name = "REC")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
@@ -59,9 +59,14 @@ pub struct Recordings {
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct Mapping {
     /// Signals from variables of a file, e.g. position_m=qm,force_n=gtau*vir; time of a .mat is `t` unless time_s=… says
-    /// otherwise. Files whose columns are named as in a tribos recording need none; for files of several kinds, give one map each
+    /// otherwise. Files whose columns are named as in a tribos recording need none; for files of several kinds, give one map each.
+    /// In a ROS 2 log position, velocity and effort are those of the joint, and force_n=/ft:force.z is a series of another topic
     #[arg(long = "map", value_name = "SIGNAL=VARIABLE,…")]
     pub maps: Vec<String>,
+    /// Joint to read, of a file that has several: its name in a ROS 2 log, the label in the names of columns (j2 in
+    /// j2_position_rad or position_rad_j2), or the column of an array, from 1
+    #[arg(long, value_name = "NAME")]
+    pub joint: Option<String>,
 }
 
 /// Where results go.

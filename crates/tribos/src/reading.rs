@@ -1,4 +1,4 @@
-//! Reads recordings named on the command line, with `--map`, and writes them.
+//! Reads recordings named on the command line, with `--map` and `--joint`, and writes them.
 
 use crate::failure::{Failure, Result};
 use crate::files;
@@ -15,12 +15,19 @@ pub(crate) fn read(path: &Path, mapping: &Mapping) -> Result<Recording> {
     read_all(&[path], mapping).map(|mut all| all.remove(0))
 }
 
-/// Reads all recordings, each with the map that its file needs.
+/// Reads all recordings, each with the map that its file needs, and prints what reading did to the numbers.
 ///
 /// # Errors
 /// Those of [`recordings::read_all`].
 pub(crate) fn read_all(paths: &[impl AsRef<Path>], mapping: &Mapping) -> Result<Vec<Recording>> {
-    Ok(recordings::read_all(paths, &mapping.maps)?)
+    let read = recordings::read_all(paths, &mapping.maps, mapping.joint.as_deref())?;
+    for recording in &read {
+        for remark in &recording.remarks {
+            // standard output may be JSON
+            eprintln!("{}: {remark}", recording.name);
+        }
+    }
+    Ok(read)
 }
 
 /// Writes a recording completely or not at all.

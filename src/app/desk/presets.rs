@@ -1,14 +1,14 @@
 //! Preset commands and the storage of their items.
 
 use super::{Desk, Line, Listing, Named};
-use crate::app::DeskEnds;
+use crate::app::{DeskEnds, calibrate};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
-use link::{Change, MAX_ITEM, Name, PresetCommand, PresetError};
+use link::{CALIBRATION_KEY, Change, MAX_ITEM, Name, PresetCommand, PresetError};
 
 /// Longest time for the board to store an item, ms. It erases at most two pages.
-const PATIENCE_MS: u32 = 2_000;
+pub(super) const PATIENCE_MS: u32 = 2_000;
 
 /// An item that is being stored, with its pending answer.
 pub(super) struct Saving {
@@ -31,7 +31,11 @@ enum Done {
 impl Desk {
     /// Loads an item stored before the restart. The newest item of a key comes last.
     pub fn load(&mut self, key: u8, item: &[u8]) {
-        self.presets.load(key, item);
+        if key != CALIBRATION_KEY {
+            self.presets.load(key, item);
+        } else if let Some(device) = calibrate::decode(item, &self.device) {
+            self.calibrated(device);
+        }
     }
 
     /// Ends loading, successful or not. Activates the default preset if this device can render it.

@@ -11,8 +11,9 @@ use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use haptics::{FaultKind, ModeId, Outputs};
 
 const MARK: u32 = 0x7b1b_0b0c;
-/// Words: check, kind (0: none), step, mode, position, velocity, force, line (0: no panic), then the end of the path.
-const WORDS: usize = 8 + PATH / 4;
+/// Words: check, kind (0: none), step, mode, position, velocity, force, line (0: no panic), program counter (0: no crash), return
+/// address and CFSR of a crash, then the end of the path.
+const WORDS: usize = 11 + PATH / 4;
 const CHECK: usize = 0;
 const KIND: usize = 1;
 const STEP: usize = 2;
@@ -21,6 +22,9 @@ const POSITION: usize = 4;
 const VELOCITY: usize = 5;
 const FORCE: usize = 6;
 const LINE: usize = 7;
+const PC: usize = 8;
+const LR: usize = 9;
+const CFSR: usize = 10;
 /// Bytes of the path of a panic.
 const PATH: usize = 40;
 
@@ -46,7 +50,7 @@ fn set(at: usize, word: u32) {
 }
 
 fn check() -> u32 {
-    (KIND..=LINE).fold(MARK, |sum, at| sum ^ get(at))
+    (KIND..=CFSR).fold(MARK, |sum, at| sum ^ get(at))
 }
 
 /// Restores the record at the start. `cause` is the reason of an unexpected reset.
@@ -98,17 +102,26 @@ pub fn panicked_at(place: &Location<'_>) {
     }
     let path = place.file().as_bytes();
     let end = path.get(path.len().saturating_sub(PATH)..).unwrap_or(path);
-    for (at, word) in (LINE + 1..WORDS).enumerate() {
+    for (at, word) in (CFSR + 1..WORDS).enumerate() {
         let byte = |k: usize| u32::from(end.get(4 * at + k).copied().unwrap_or(0)) << (8 * k);
         set(word, byte(0) | byte(1) | byte(2) | byte(3));
     }
     set(LINE, place.line().max(1));
 }
 
+/// Records where the processor crashed, if that is the first fault, and its configurable fault status [armv7-m, ch. B3.2.15].
+pub(super) fn crashed_at(pc: u32, lr: u32, cfsr: u32) {
+    if get(KIND) == 0 {
+        set(PC, pc.max(1));
+        set(LR, lr);
+        set(CFSR, cfsr);
+    }
+}
+
 /// Clears the fault. The next control step corrects the check sum.
 pub(super) fn forget() {
     EARLIER.store(false, Relaxed);
-    set(LINE, 0);
+    (LINE..=CFSR).for_each(|at| set(at, 0));
     set(KIND, 0);
 }
 
@@ -117,7 +130,7 @@ pub(super) fn earlier() -> Option<Earlier> {
     let kind = FaultKind::from_code(get(KIND) as u8).filter(|_| EARLIER.load(Relaxed))?;
     let number = |at| f32::from_bits(get(at));
     let mut path = heapless::String::new();
-    for word in LINE + 1..WORDS {
+    for word in CFSR + 1..WORDS {
         for byte in get(word).to_le_bytes().into_iter().filter(u8::is_ascii_graphic) {
             let _ = path.push(char::from(byte));
         }
@@ -132,5 +145,6 @@ pub(super) fn earlier() -> Option<Earlier> {
             force: number(FORCE),
         },
         panicked_at: (get(LINE) != 0).then(|| (path, get(LINE))),
+        crashed_at: (get(PC) != 0).then(|| [get(PC), get(LR), get(CFSR)]),
     })
 }

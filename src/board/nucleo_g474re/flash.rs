@@ -245,9 +245,12 @@ impl Medium for Pages {
     }
 }
 
-/// Double error in the flash: a torn preset, or a corrupt program.
+/// The crystal stopped; or a double error in the flash: a torn preset, or a corrupt program.
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() {
+    if pac::RCC.cifr().read().cssf() {
+        super::restart(haptics::FaultKind::Clock);
+    }
     let error = pac::FLASH.eccr().read();
     if error.eccd() {
         let pages = (BASE - BANK_2)..(BASE - BANK_2 + PAGE * PAGES);

@@ -7,27 +7,66 @@ use embassy_stm32::interrupt::Priority;
 use embassy_stm32::peripherals::{self, PA0, PA1, TIM2, TIM5, TIM6, TIM7};
 use embassy_stm32::{Config, Peri, pac, rcc};
 use haptics::FaultKind;
-use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts};
+use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts, Urs};
 
-/// Clocks: 170 MHz from the internal oscillator (boost mode), all buses undivided.
-pub(super) fn clocks() -> Config {
-    use rcc::{Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
+/// Crystal X3 of the board, Hz.
+const CRYSTAL_HZ: u32 = 24_000_000;
+/// Polls of a crystal that starts, each at least 10 cycles of the 16 MHz after a reset: 30 ms. It takes 2 ms [ds12288, "HSE
+/// oscillator characteristics"].
+const CRYSTAL_POLLS: u32 = 50_000;
+
+/// Starts the crystal. False if it does not oscillate; embassy would wait for it for ever.
+pub(super) fn start_crystal() -> bool {
+    pac::RCC.cr().modify(|w| w.set_hseon(true));
+    (0..CRYSTAL_POLLS).any(|_| pac::RCC.cr().read().hserdy())
+}
+
+/// Clocks: 170 MHz from the crystal, or from the internal oscillator without one (boost mode). The AHB is divided by two until
+/// [`full_speed`].
+pub(super) fn clocks(crystal: bool) -> Config {
+    use rcc::{AHBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
     let mut config = Config::default();
+    // the core falls back to it when the crystal stops
     config.rcc.hsi = true;
     config.rcc.boost = true;
+    let freq = embassy_stm32::time::Hertz(CRYSTAL_HZ);
+    config.rcc.hse = crystal.then_some(Hse { freq, mode: HseMode::Oscillator });
     config.rcc.pll = Some(Pll {
-        source: PllSource::HSI,
-        prediv: PllPreDiv::DIV4,
+        source: if crystal { PllSource::HSE } else { PllSource::HSI },
+        prediv: if crystal { PllPreDiv::DIV6 } else { PllPreDiv::DIV4 },
         mul: PllMul::MUL85,
         divp: None,
         divq: None,
         divr: Some(PllRDiv::DIV2),
     });
     config.rcc.sys = Sysclk::PLL1_R;
+    config.rcc.ahb_pre = AHBPrescaler::DIV2;
     config.rcc.mux.adc12sel = mux::Adcsel::SYS;
+    // not of the bus, whose rate embassy believes to stay halved
+    config.rcc.mux.lpuart1sel = mux::Uartsel::SYS;
     // every interrupt starts at 0, the highest; that belongs to the control step
     config.bdma_interrupt_priority = Priority::P6;
     config
+}
+
+/// Undivided buses, and the clock security system if the crystal runs.
+///
+/// A switch to more than 80 MHz must run with the AHB divided by two for a microsecond [rm0440, "System clock (SYSCLK)
+/// selection"]. embassy-stm32 0.6 ends that division with the write that switches, so it is told to keep it.
+pub(super) fn full_speed(crystal: bool) {
+    cortex_m::asm::delay(TICK_HZ / 1_000_000); // 2 µs at half the rate
+    pac::FLASH.acr().modify(|w| w.set_latency(pac::flash::vals::Latency::WS4));
+    while pac::FLASH.acr().read().latency() != pac::flash::vals::Latency::WS4 {}
+    pac::RCC.cfgr().modify(|w| w.set_hpre(pac::rcc::vals::Hpre::DIV1));
+    // the clock of embassy-time, set for the halved bus
+    let tim4 = pac::TIM4;
+    tim4.psc().write_value((TICK_HZ / embassy_time::TICK_HZ as u32 - 1) as u16);
+    tim4.cr1().modify(|w| w.set_urs(Urs::COUNTER_ONLY));
+    tim4.egr().write(|w| w.set_ug(true)); // loads it
+    tim4.cr1().modify(|w| w.set_urs(Urs::ANY_EVENT));
+    if crystal {
+        pac::RCC.cr().modify(|w| w.set_csson(true));
+    }
 }
 
 /// Range 1 boost mode, required above 150 MHz [rm0440, "PWR_CR5"].
@@ -52,6 +91,33 @@ pub(super) fn stack_floats_at_once() {
     const LSPEN: u32 = 1 << 30;
     // SAFETY: the only writer of the register; no exception is enabled yet, so no stacking is pending
     unsafe { (*cortex_m::peripheral::FPU::PTR).fpccr.modify(|w| w & !LSPEN) };
+}
+
+/// Size of the guard below the stack, bytes: more than the frame that overflows into it and what the fault handler needs.
+const GUARD: u32 = 256;
+
+/// Forbids access to the memory between the static data and the stack: a stack that grows into the data is a crash, not a
+/// silent change. The handler of the crash runs without this rule (HFNMIENA = 0 [armv7-m, ch. B3.5.3]), within the guard.
+pub(super) fn guard_stack() {
+    unsafe extern "C" {
+        static __sheap: u32;
+    }
+    const ENABLE: u32 = 1;
+    const DEFAULT_MAP: u32 = 1 << 2;
+    const NO_EXECUTION: u32 = 1 << 28;
+    // no access: AP = 0. SIZE = log2 of the bytes − 1
+    const ATTRIBUTES: u32 = NO_EXECUTION | (GUARD.trailing_zeros() - 1) << 1 | ENABLE;
+    let end_of_data = (&raw const __sheap).addr() as u32;
+    // SAFETY: the only writer of the registers. Nothing lives between the data and the stack.
+    unsafe {
+        let mpu = &*cortex_m::peripheral::MPU::PTR;
+        mpu.rnr.write(0);
+        mpu.rbar.write(end_of_data.next_multiple_of(GUARD));
+        mpu.rasr.write(ATTRIBUTES);
+        mpu.ctrl.write(DEFAULT_MAP | ENABLE);
+    }
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
 }
 
 /// TIM2 counts all four quadrature edges of a period through a filter of 94 ns. TIM5 captures its own count on each edge.
@@ -172,6 +238,7 @@ pub(super) fn reset_cause() -> ResetCause {
             Some(FaultKind::Crash) => ResetCause::Crash,
             Some(FaultKind::MissedDeadline) => ResetCause::Stopped,
             Some(FaultKind::BrownOut) => ResetCause::BrownOut,
+            Some(FaultKind::Clock) => ResetCause::Clock,
             _ => ResetCause::Debugger,
         }
     } else if flags.iwdgrstf() || flags.wwdgrstf() {
@@ -210,6 +277,8 @@ pub enum ResetCause {
     Stopped,
     /// The supply broke down.
     BrownOut,
+    /// The crystal stopped.
+    Clock,
     /// The firmware entered a low-power mode that the option bytes forbid.
     LowPower,
 }
@@ -224,6 +293,7 @@ impl ResetCause {
             Self::Crash => Some(FaultKind::Crash),
             Self::Stopped => Some(FaultKind::MissedDeadline),
             Self::BrownOut => Some(FaultKind::BrownOut),
+            Self::Clock => Some(FaultKind::Clock),
             Self::LowPower => Some(FaultKind::Hardware),
         }
     }

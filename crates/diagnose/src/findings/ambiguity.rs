@@ -249,7 +249,7 @@ fn upper_bound(
     rows: f64,
 ) -> Option<(f64, f64)> {
     let (mut captured, mut square) = (0.0, 0.0);
-    for column in &atom.columns {
+    for column in atom.columns.iter() {
         let rest = basis.project_out(column);
         let power = dot(&rest, &rest);
         if power <= 1e-4 * dot(column, column) {

@@ -74,7 +74,8 @@ pub fn describe(search: &Search, library: &Library, found: &Hypothesis, regimes:
 }
 
 impl Described {
-    /// Refits the forms jointly with `found`, leaving out the form at index `drop`.
+    /// Refits the forms jointly with `found`, leaving out the form at index `drop`. None where a gain of `found` would leave
+    /// the range that its effect accepts.
     pub fn without(&self, search: &Search, found: &Hypothesis, drop: Option<usize>) -> Option<Self> {
         let design = search.design;
         let mut basis = Basis::of(&Hypothesis::columns(design, &found.atoms));
@@ -93,7 +94,7 @@ impl Described {
         let fit = joint(design, found, &terms)?;
         let mut out = Self { terms, fit, gains };
         out.settle(design, found);
-        Some(out)
+        search.physical(&out.beside(found)).then_some(out)
     }
 
     /// Measures again what each form gains beside `found` and the other forms.
@@ -211,19 +212,26 @@ fn significance(search: &Search, parent: &Fit, trials: &[Trial], basis: &Basis) 
     let design = search.design;
     let child = &trials.first()?.fit.residual;
     let spread = (dot(child, child) / child.len().max(1) as f64).sqrt();
-    let rests: Vec<(usize, Vec<f64>)> = trials
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(i, t)| t.term.columns.iter().map(move |c| (i, basis.project_out(c))))
-        .collect();
-    let scores = |residual: &[f64]| -> Vec<_> {
-        rests.par_iter().map(|(_, rest)| block_scores(rest, residual, &design.blocks)).collect()
+    let score = |(i, trial): (usize, &Trial)| -> Vec<_> {
+        let of = |column: &Vec<f64>| {
+            let rest = basis.project_out(column);
+            let scores = |residual: &[f64]| block_scores(&rest, residual, &design.blocks);
+            (i, scores(&parent.residual), scores(child), dot(&rest, &rest).sqrt() * spread)
+        };
+        trial.term.columns.iter().map(of).collect()
     };
-    let scale: Vec<f64> = rests.iter().map(|(_, rest)| dot(rest, rest).sqrt() * spread).collect();
-    let outcome = family(&scores(&parent.residual), &scores(child), &scale, FLIPS, search.seed ^ 0xf4ee);
+    let all: Vec<_> = trials.par_iter().enumerate().flat_map_iter(score).collect();
+    let (mut of, mut observed, mut noise, mut scale) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (i, o, n, s) in all {
+        of.push(i);
+        observed.push(o);
+        noise.push(n);
+        scale.push(s);
+    }
+    let outcome = family(&observed, &noise, &scale, FLIPS, search.seed ^ 0xf4ee);
     let mut out = vec![1.0_f64; trials.len()];
-    for ((i, _), p) in rests.iter().zip(outcome.p) {
-        out[*i] = out[*i].min(p);
+    for (i, p) in of.into_iter().zip(outcome.p) {
+        out[i] = out[i].min(p);
     }
     Some(out)
 }

@@ -12,6 +12,9 @@ const DETERMINED: f64 = 1e-3;
 /// Smallest share that must lie outside of what is already in the model.
 const OUTSIDE: f64 = 1e-4;
 
+/// Columns that go through the filter together.
+const LANES: usize = 8;
+
 /// A free form in a regression. Its values at the knots are not independent of what is already there (a constant is a
 /// friction level, a straight line viscous friction), so the columns are the directions that are.
 #[derive(Debug, Clone)]
@@ -31,21 +34,27 @@ pub struct FreeTerm {
 impl DesignMatrix {
     /// Columns of a free form, one for each of its values.
     pub fn free_columns(&self, form: &FreeForm<f64>) -> Vec<Vec<f64>> {
-        let weights = self.walk(FreeFormState::default, |state, motion| {
-            let mut all = Vec::new();
-            form.weights(state, motion, |i, w| all.push((i, w)));
-            all
-        });
-        let column = |k: usize| {
-            let mut out = Vec::with_capacity(self.share.len());
-            for (track, samples) in self.tracks.iter().zip(&weights) {
-                let own = |all: &Vec<(usize, f64)>| all.iter().filter(|(i, _)| *i == k).map(|(_, w)| w).sum();
-                let series: Vec<f64> = samples.iter().map(own).collect();
-                track.rows(&track.pass(&series), &mut out);
+        let of_group = |group: usize| {
+            let first = group * LANES;
+            let series = self.walk(FreeFormState::default, |state, motion| {
+                let mut lanes = [0.0; LANES];
+                form.weights(state, motion, |i, w| {
+                    if let Some(lane) = i.checked_sub(first).and_then(|lane| lanes.get_mut(lane)) {
+                        *lane += w;
+                    }
+                });
+                lanes
+            });
+            let mut out: [Vec<f64>; LANES] = std::array::from_fn(|_| Vec::with_capacity(self.share.len()));
+            for (track, series) in self.tracks.iter().zip(series) {
+                track.passed_rows(&series, &mut out);
             }
             out
         };
-        (0..form.count()).into_par_iter().map(column).collect()
+        let groups = (0..form.count().div_ceil(LANES)).into_par_iter();
+        let mut columns: Vec<Vec<f64>> = groups.flat_map_iter(of_group).collect();
+        columns.truncate(form.count());
+        columns
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::findings::channel::Channel;
 use crate::options::{Error, LARGEST};
 use crate::preparation::drift::Drift;
-use crate::preparation::track::{Reversals, one_way};
+use crate::preparation::track::{Reversals, one_way, stride};
 use crate::search::extra_columns::{self, ExtraColumn};
 use friction::Dimension;
 use signals::{
@@ -32,6 +32,8 @@ pub struct Intake {
     pub reports: Vec<Preparation>,
     /// Further columns of the files.
     pub extra: Vec<ExtraColumn>,
+    /// Share of the samples that is fitted: 1, or less of a long recording.
+    pub fitted: f64,
     /// Whether, for each recording, an accelerometer has said if there is a wave on the encoder.
     pub witnessed: Vec<bool>,
 }
@@ -89,6 +91,31 @@ impl Intake {
     }
 }
 
+/// Most rows that are fitted. What they tell is known to a thousandth by then; more of them cost time and memory only.
+const MOST_ROWS: f64 = 30_000.0;
+/// Parts of a longer recording that are fitted, spread evenly over it.
+const PARTS: f64 = 60.0;
+
+impl Intake {
+    /// Leaves evenly spread parts of recordings that are longer than can be fitted in one piece behind a filter at `cutoff` Hz.
+    pub fn thin(&mut self, cutoff: f64) {
+        let rows: f64 = self.stretches.iter().map(|s| (s.position.len() / stride(s.dt, cutoff)) as f64).sum();
+        if rows <= MOST_ROWS {
+            return;
+        }
+        self.fitted = MOST_ROWS / rows;
+        let samples: usize = self.stretches.iter().map(|s| s.position.len()).sum();
+        let share = self.fitted;
+        let parts = |s: &Channels| -> Vec<Channels> {
+            let n = s.position.len();
+            let parts = (PARTS * n as f64 / samples as f64).round().max(1.0) as usize;
+            let length = (share * n as f64 / parts as f64) as usize;
+            (0..parts).map(|k| s.part(k * n / parts..k * n / parts + length)).collect()
+        };
+        self.stretches = self.stretches.iter().flat_map(parts).collect();
+    }
+}
+
 impl Intake {
     /// Keeps the moments around reversals, and says so.
     pub fn keep_reversals(&mut self) {
@@ -112,6 +139,7 @@ pub fn take(recordings: &[Recording]) -> Result<Intake, Error> {
         reports: Vec::new(),
         extra: extra_columns::of(recordings),
         channel: Channel::default(),
+        fitted: 1.0,
         witnessed: Vec::new(),
     };
     let loaded = recordings.iter().find(|r| r.normal_force.is_some());
@@ -188,4 +216,41 @@ fn check_sizes(c: &Channels, name: &str) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_million_samples_took_eight_gigabytes() {
+        let samples = 1_000_000;
+        let position: Vec<f64> = (0..samples).map(f64::from).collect();
+        let force = position.iter().map(|x| -x).collect();
+        let time = position.iter().map(|x| 1e-3 * x).collect();
+        let recording = Recording { time, position, force, ..Recording::default() };
+        let mut intake = take(&[recording]).unwrap();
+        let whole = intake.stretches.clone();
+        intake.thin(100.0);
+        let kept: usize = intake.stretches.iter().map(|s| s.position.len()).sum();
+        // one row for four samples
+        let rows = kept as f64 / 4.0;
+        println!("{} parts, {rows} rows, {:.3} of the samples", intake.stretches.len(), intake.fitted);
+        assert!(rows <= MOST_ROWS && rows > 0.99 * MOST_ROWS);
+        assert!((kept as f64 / samples as f64 - intake.fitted).abs() < 1e-3);
+        // spread over the whole, each at its own time
+        let first = &whole[0];
+        for (part, next) in intake.stretches.iter().zip(&intake.stretches[1..]) {
+            assert!((next.start - part.start - 1000.0 / PARTS).abs() < 0.01);
+        }
+        for part in &intake.stretches {
+            let from = ((part.start - first.start) / first.dt).round() as usize;
+            assert_eq!(part.position[..], first.position[from..from + part.position.len()]);
+            assert_eq!(part.force[..], first.force[from..from + part.position.len()]);
+        }
+        // what can be fitted whole is
+        let mut short = Intake { stretches: vec![first.part(0..100_000)], fitted: 1.0, ..intake.clone() };
+        short.thin(100.0);
+        assert_eq!((short.stretches.len(), short.fitted), (1, 1.0));
+    }
 }

@@ -112,7 +112,7 @@ impl Track {
 
         let n = x.len();
         let settle = filter.settle().min(n / 4);
-        let stride = ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize;
+        let stride = stride(dt, cutoff);
         let normal = raw.normal.as_ref().map(|c| filter.apply(c));
         let mut track = Self {
             filter,
@@ -308,6 +308,11 @@ impl Track {
         };
         [self.a.clone(), by(true, false), by(false, false), by(true, true), by(false, true)]
     }
+}
+
+/// Samples, `dt` seconds apart, averaged into one row behind a filter at `cutoff` Hz.
+pub fn stride(dt: f64, cutoff: f64) -> usize {
+    ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize
 }
 
 /// Parts of a stretch that must each advance, and by how many times the noise of a position.

@@ -3,7 +3,7 @@
 use crate::library::applied_force::AppliedForce;
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::TermKind;
-use crate::search::hypothesis::{Atom, Hypothesis};
+use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::Search;
 use crate::search::refine::ROUGH;
 use crate::search::transport;
@@ -39,11 +39,8 @@ pub fn settle(search: &Search, found: &Hypothesis) -> Option<(DesignMatrix, Appl
         design.model_force(&acting);
         noisy.model_force(&acting);
         let search = Search { design: &design, noisy: &noisy, ..*search };
-        let again = |a: &Atom| Atom {
-            reliable: a.reliable,
-            ..Atom::new(&design, &search.catalogue.baseline, a.term)
-        };
-        let next = Hypothesis::new(&design, found.atoms.iter().map(again).collect())?;
+        let again = found.atoms.iter().map(|a| a.again(&design, &search.catalogue.baseline));
+        let next = Hypothesis::new(&design, again.collect())?;
         // with a share that is free a time runs along the ridge on which their product is the same
         let moves = next.atoms.iter().any(|a| a.term.kind.moves_in_time());
         found = if moves { transport::nearby(&search, next) } else { search.refine(next, ROUGH) };

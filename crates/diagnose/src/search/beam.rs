@@ -5,11 +5,13 @@ use crate::options::{Interrupted, Watch, tell};
 use crate::regression::linear::Blocks;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::{LEVEL, Search};
+use crate::search::overlap::Overlap;
 use crate::search::refine::{FINE, ROUGH};
 use crate::search::transport;
 use friction::effects::Acts;
+use nalgebra::DVector;
 use rayon::prelude::*;
-use signals::{Basis, dot};
+use signals::Basis;
 
 /// Smallest share of the mismatch above the floor for which a term is worth naming.
 const MATERIAL: f64 = 0.01;
@@ -113,20 +115,22 @@ impl Search<'_> {
         let residual = &from.fit.residual;
         // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
         // that is tried too short would need more than the whole force.
-        let gains: Vec<(f64, &Atom)> = self
-            .catalogue
-            .testable()
-            .into_par_iter()
-            .filter(|atom| !from.has(atom.term.kind))
-            .map(|atom| {
-                let rest = atom.outside(&basis);
-                let alone = match &rest[..] {
-                    [only] => atom.physical(&[dot(only, residual) / dot(only, only)]),
-                    _ => true,
-                };
-                (if alone { Basis::of(&rest).captured(residual) } else { 0.0 }, atom)
-            })
-            .collect();
+        let testable =
+            self.catalogue.testable().into_iter().filter(|atom| !from.has(atom.term.kind)).collect();
+        let columns = Hypothesis::columns(self.design, &from.atoms);
+        let last = columns.len();
+        let overlap = Overlap::new(testable, &[&columns[..], &[residual.as_slice()]].concat());
+        let left = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.0 });
+        let Some(span) = overlap.span((0..last).collect()) else { return Vec::new() };
+        let gains = (0..overlap.atoms.len()).into_par_iter().map(|i| {
+            let atom = overlap.atoms[i];
+            let alone = match overlap.gain(&span, i, &left) {
+                Some(gain) => atom.physical(&[gain]),
+                None => true,
+            };
+            (if alone { overlap.captured(&span, i, &left) } else { 0.0 }, atom)
+        });
+        let gains: Vec<(f64, &Atom)> = gains.collect();
         let mut ranked: Vec<(f64, &Atom)> = Vec::new();
         for entry in gains {
             let term = entry.1.term;

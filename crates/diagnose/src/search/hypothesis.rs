@@ -5,6 +5,7 @@ use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::{Term, TermKind};
 use crate::regression::linear::{FOLDS, Fit, fit};
 use signals::{Basis, dot};
+use std::sync::Arc;
 
 /// A term with its columns on the design matrix.
 #[derive(Debug, Clone)]
@@ -12,7 +13,7 @@ pub struct Atom {
     /// The hypothesis.
     pub term: Term,
     /// Columns that the baseline does not already contain.
-    pub columns: Vec<Vec<f64>>,
+    pub columns: Arc<[Vec<f64>]>,
     /// Which of the term's free gains they are.
     pub active: Vec<usize>,
     /// Share of the columns left outside the baseline, 0 = concealed on this motion.
@@ -44,7 +45,12 @@ impl Atom {
                 }
             }
         }
-        Self { term, columns, active, visible, reliable: 1.0 }
+        Self { term, columns: columns.into(), active, visible, reliable: 1.0 }
+    }
+
+    /// The same on a design matrix on which another force acts.
+    pub fn again(&self, design: &DesignMatrix, baseline: &Basis) -> Self {
+        Self { reliable: self.reliable, ..Self::new(design, baseline, self.term) }
     }
 
     /// What of each column is outside the span of `basis`.

@@ -113,7 +113,7 @@ fn slope(search: &Search, found: &Hypothesis, i: usize, axis: usize) -> Option<V
         term.shape[axis] = here + sign * step;
         let other = Atom::new(search.design, &search.catalogue.baseline, term);
         let mut sum = vec![0.0; search.design.y.len()];
-        for (c, column) in found.coefficients(search.design, i).iter().zip(&other.columns) {
+        for (c, column) in found.coefficients(search.design, i).iter().zip(other.columns.iter()) {
             for (s, x) in sum.iter_mut().zip(column) {
                 *s += c * x;
             }

@@ -53,7 +53,7 @@ impl Search<'_> {
     /// What term `i` adds to the prediction, outside the span of `basis`.
     pub fn contribution(&self, h: &Hypothesis, i: usize, basis: &Basis) -> Vec<f64> {
         let mut sum = vec![0.0; self.design.y.len()];
-        for (c, column) in h.coefficients(self.design, i).iter().zip(&h.atoms[i].columns) {
+        for (c, column) in h.coefficients(self.design, i).iter().zip(h.atoms[i].columns.iter()) {
             for (s, x) in sum.iter_mut().zip(column) {
                 *s += c * x;
             }

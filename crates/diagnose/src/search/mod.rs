@@ -8,6 +8,7 @@ pub mod hypothesis;
 pub mod joint;
 pub mod judgement;
 pub mod lasting;
+pub mod overlap;
 pub mod refine;
 pub mod regression;
 pub mod simplify;

@@ -15,17 +15,27 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use signals::{Basis, dot};
 
-/// Change of the squared error, in squares of the noise of one row, that counts as standing still: a tenth of a
-/// standard deviation of a parameter.
-const STILL: f64 = 0.01;
-
 /// Damping of its own above which an axis is held for a step.
 const HELD: f64 = 1e4;
 
-/// Steps of refinement while hypotheses compete.
-pub const ROUGH: usize = 6;
-/// Steps of refinement for the hypothesis that is left.
-pub const FINE: usize = 40;
+/// Times by which a refinement may do better than its slopes promise.
+const HOPE: f64 = 4.0;
+
+/// How far a refinement goes.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// Most steps.
+    steps: usize,
+    /// Change of the squared error, in squares of the noise of one row, that counts as standing still.
+    still: f64,
+    /// Distance from where a slope was taken, in the longest steps of its axis, up to which it stands for the slope here.
+    fresh: f64,
+}
+
+/// While hypotheses compete: to a standard deviation of a parameter.
+pub const ROUGH: Effort = Effort { steps: 6, still: 1.0, fresh: 0.1 };
+/// For the hypothesis that is left: to a tenth of a standard deviation.
+pub const FINE: Effort = Effort { steps: 40, still: 0.01, fresh: 0.01 };
 
 /// One shape parameter that is free.
 #[derive(Debug, Clone, Copy)]
@@ -61,35 +71,60 @@ struct Point {
     physical: bool,
 }
 
+/// What the columns of an atom change per unit of an axis.
+struct Slope {
+    /// Where it was taken.
+    shape: [f64; MAX_SHAPE],
+    columns: Vec<Vec<f64>>,
+}
+
 impl Search<'_> {
-    /// Improves all shapes of a hypothesis jointly, in at most `rounds` steps.
-    pub fn refine(&self, hypothesis: Hypothesis, rounds: usize) -> Hypothesis {
+    /// Improves all shapes of a hypothesis jointly.
+    pub fn refine(&self, hypothesis: Hypothesis, effort: Effort) -> Hypothesis {
+        self.refine_by(hypothesis, effort, 0.0)
+    }
+
+    /// The same for a hypothesis that is of use only if its squared error falls by `needed`: given up where
+    /// [`HOPE`] times what the slopes promise would not do.
+    pub fn refine_by(&self, hypothesis: Hypothesis, effort: Effort, needed: f64) -> Hypothesis {
         let axes = self.axes(&hypothesis);
         if axes.is_empty() {
             return hypothesis;
         }
         let Some(mut here) = self.point(hypothesis.atoms.clone()) else { return hypothesis };
         let begun = here.squared;
-        let still = STILL * self.row_noise();
+        let still = effort.still * self.row_noise();
+        let mut known: Vec<Option<Slope>> = axes.iter().map(|_| None).collect();
         let mut damping = 1e-3;
         // beside it, of the axes of terms that a step took to where they cannot be seen
         let mut own = vec![0.0_f64; axes.len()];
-        for _ in 0..rounds {
-            let Some(slopes) = self.slopes(&here, &axes) else { break };
+        for _ in 0..effort.steps {
+            let Some(slopes) = self.slopes(&here, &axes, effort.fresh, &mut known) else { break };
             let p = axes.len();
             let normal = DMatrix::from_fn(p, p, |i, j| dot(&slopes[i], &slopes[j]));
             let moment = DVector::from_fn(p, |i, _| dot(&slopes[i], &here.residual));
             let before = here.squared;
+            let undamped = step(&normal, &moment, &vec![1e-9; p], |_, _| false);
+            let best = undamped.map_or(f64::INFINITY, |step| promised(&normal, &moment, &step));
+            if begun - here.squared + HOPE * best < needed {
+                return hypothesis;
+            }
             while damping < 1e5 {
                 let stays = |i: usize, by: f64| {
                     let value = here.atoms[axes[i].atom].term.shape[axes[i].index];
                     own[i] > HELD || axes[i].moved(value, by) == value
                 };
                 let damped: Vec<f64> = own.iter().map(|own| damping + own).collect();
-                let Some(step) = step(&normal, &moment, &damped, stays) else {
+                let Some(mut step) = step(&normal, &moment, &damped, stays) else {
                     damping *= 10.0;
                     continue;
                 };
+                // an axis that stands still costs no column
+                for (i, by) in step.iter_mut().enumerate() {
+                    if *by * *by * normal[(i, i)] < 0.1 * still / p as f64 {
+                        *by = 0.0;
+                    }
+                }
                 // what does not even promise a gain that counts need not be tried
                 if promised(&normal, &moment, &step) < still {
                     break;
@@ -191,29 +226,52 @@ impl Search<'_> {
         squared.is_finite().then_some(Point { atoms, gains, basis, residual, squared, physical })
     }
 
-    /// What the residual loses per unit of each axis.
-    fn slopes(&self, here: &Point, axes: &[Axis]) -> Option<Vec<Vec<f64>>> {
-        let slope = |axis: &Axis| -> Option<Vec<f64>> {
-            let atom = &here.atoms[axis.atom];
-            let by = if axis.to(axis.moved(atom.term.shape[axis.index], 0.02 * axis.reach))
-                > axis.to(atom.term.shape[axis.index])
-            {
-                0.02 * axis.reach
-            } else {
-                -0.02 * axis.reach
+    /// What the residual loses per unit of each axis; `known` holds slopes taken before, which stand as far as `fresh`.
+    fn slopes(
+        &self,
+        here: &Point,
+        axes: &[Axis],
+        fresh: f64,
+        known: &mut [Option<Slope>],
+    ) -> Option<Vec<Vec<f64>>> {
+        axes.par_iter().zip(known.par_iter_mut()).try_for_each(|(axis, known)| {
+            let shape = here.atoms[axis.atom].term.shape;
+            let near = |k: &Slope| {
+                let of_atom = axes.iter().filter(|other| other.atom == axis.atom);
+                let mut moved =
+                    of_atom.map(|o| (o.to(shape[o.index]) - o.to(k.shape[o.index])).abs() / o.reach);
+                moved.all(|moved| moved <= fresh)
             };
-            let other = self.reshaped(atom, &[(axis.index, axis.moved(atom.term.shape[axis.index], by))])?;
+            if !known.as_ref().is_some_and(near) {
+                *known = Some(self.slope(&here.atoms[axis.atom], axis)?);
+            }
+            Some(())
+        })?;
+        let loss = |(axis, slope): (&Axis, &Option<Slope>)| -> Option<Vec<f64>> {
             let from = self.design.baseline.len()
                 + here.atoms[..axis.atom].iter().map(|a| a.columns.len()).sum::<usize>();
             let mut change = vec![0.0; here.residual.len()];
-            for (c, (near, far)) in here.gains[from..].iter().zip(atom.columns.iter().zip(&other.columns)) {
-                for (d, (x, z)) in change.iter_mut().zip(near.iter().zip(far)) {
-                    *d += c * (z - x) / by;
+            for (c, column) in here.gains[from..].iter().zip(&slope.as_ref()?.columns) {
+                for (d, x) in change.iter_mut().zip(column) {
+                    *d += c * x;
                 }
             }
             Some(here.basis.project_out(&change))
         };
-        axes.par_iter().map(slope).collect()
+        axes.par_iter().zip(&*known).map(loss).collect()
+    }
+
+    /// What the columns of an atom change per unit of an axis.
+    fn slope(&self, atom: &Atom, axis: &Axis) -> Option<Slope> {
+        let at = atom.term.shape[axis.index];
+        let up = 0.02 * axis.reach;
+        let by = if axis.to(axis.moved(at, up)) > axis.to(at) { up } else { -up };
+        let other = self.reshaped(atom, &[(axis.index, axis.moved(at, by))])?;
+        let change = |(near, far): (&Vec<f64>, &Vec<f64>)| {
+            near.iter().zip(far).map(|(x, z)| (z - x) / by).collect::<Vec<f64>>()
+        };
+        let columns = atom.columns.iter().zip(other.columns.iter()).map(change).collect();
+        Some(Slope { shape: atom.term.shape, columns })
     }
 
     /// An atom with other shape parameters; None where its columns are others or cannot be seen.

@@ -4,9 +4,15 @@ use crate::library::term::{Term, TermKind};
 use crate::search::catalogue::is_testable;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::{COLLINEAR, Search};
+use crate::search::overlap::Overlap;
 use crate::search::refine::ROUGH;
-use rayon::prelude::*;
+use nalgebra::DVector;
 use signals::{Basis, dot};
+
+/// What an atom costs: its columns and its shapes.
+fn size(a: &Atom) -> usize {
+    a.columns.len() + a.term.kind.shape().len()
+}
 
 impl Search<'_> {
     /// Takes out of each term the gains that its recording does not ask for: the second harmonic, a second end of the
@@ -31,7 +37,10 @@ impl Search<'_> {
                     atoms[i] = atom;
                     fewer.then(|| Hypothesis::new(self.design, atoms)).flatten()
                 })
-                .map(|h| self.refine(h, ROUGH))
+                .map(|h| {
+                    let needed = self.needed(&h, &best);
+                    self.refine_by(h, ROUGH, needed)
+                })
                 .filter(|h| self.physical(h) && self.interval(h, &best)[0] <= 0.0)
                 .collect();
             let size = |h: &Hypothesis| h.atoms[i].columns.len();
@@ -50,13 +59,15 @@ impl Search<'_> {
     /// spring and a pendulum against it.
     pub fn simplify(&self, mut best: Hypothesis) -> Hypothesis {
         let count = best.atoms.len();
+        let mut overlap = self.overlap(&best);
         for i in 0..count {
-            if let Some(rival) = self.simpler(&best, &[i]) {
+            if let Some(rival) = self.simpler(&best, &overlap, &[i]) {
                 best = rival;
+                overlap = self.overlap(&best);
             }
         }
         for pair in (0..count).flat_map(|i| (i + 1..count).map(move |j| [i, j])) {
-            if let Some(rival) = self.simpler(&best, &pair) {
+            if let Some(rival) = self.simpler(&best, &overlap, &pair) {
                 return self.simplify(rival);
             }
         }
@@ -92,9 +103,26 @@ impl Search<'_> {
         if self.is_as_good(&rival, &best, without.as_ref()) { rival } else { best }
     }
 
+    /// The catalogue's atoms that may stand in the place of one or two terms of `best`, with its columns.
+    fn overlap(&self, best: &Hypothesis) -> Overlap<'_> {
+        let mut sizes: Vec<usize> = best.atoms.iter().map(size).collect();
+        sizes.sort_unstable();
+        let most: usize = sizes.iter().rev().take(2).sum();
+        let atoms = self.catalogue.testable().into_iter();
+        let atoms = atoms.filter(|a| !best.has(a.term.kind) && size(a) < most).collect();
+        Overlap::new(atoms, &Hypothesis::columns(self.design, &best.atoms))
+    }
+
+    /// Squared error that `rival` has to lose before it may be as good as `best`.
+    fn needed(&self, rival: &Hypothesis, best: &Hypothesis) -> f64 {
+        let rows: f64 = self.design.block_weight().iter().sum();
+        let worse = self.interval(rival, best)[0].max(0.0);
+        let rms = (rival.fit.heldout_sum() / rows.max(1e-300)).sqrt();
+        rows * worse * (2.0 * rms - worse)
+    }
+
     /// The simplest hypothesis with one term in the place of the `group`, where one is as good.
-    fn simpler(&self, best: &Hypothesis, group: &[usize]) -> Option<Hypothesis> {
-        let size = |a: &Atom| a.columns.len() + a.term.kind.shape().len();
+    fn simpler(&self, best: &Hypothesis, overlap: &Overlap, group: &[usize]) -> Option<Hypothesis> {
         let of_group: usize = group.iter().map(|i| size(&best.atoms[*i])).sum();
         let others: Vec<Atom> = best
             .atoms
@@ -110,15 +138,26 @@ impl Search<'_> {
                 *sum += x;
             }
         }
-        let kept = |a: &Atom| Basis::of(&a.outside(&basis)).captured(&own);
         let power = dot(&own, &own);
+        let in_group = |c: usize| {
+            group.iter().any(|i| {
+                let from = best.offset(self.design, *i);
+                (from..from + best.atoms[*i].columns.len()).contains(&c)
+            })
+        };
+        let coefficients = best.fit.coefficients.iter().enumerate();
+        let share = DVector::from_iterator(
+            best.fit.coefficients.len(),
+            coefficients.map(|(c, x)| if in_group(c) { *x } else { 0.0 }),
+        );
+        let span = overlap.span((0..share.len()).filter(|c| !in_group(*c)).collect())?;
         // A grid point is not the best shape yet: let in a little less and refine.
-        let mut simpler: Vec<(usize, f64, &Atom)> = self
-            .catalogue
-            .testable()
-            .into_par_iter()
-            .filter(|a| !best.has(a.term.kind) && size(a) < of_group)
-            .map(|a| (size(a), kept(a), a))
+        let mut simpler: Vec<(usize, f64, &Atom)> = overlap
+            .atoms
+            .iter()
+            .enumerate()
+            .filter(|(_, a)| size(a) < of_group)
+            .map(|(i, a)| (size(a), overlap.captured(&span, i, &share), *a))
             .filter(|(_, kept, _)| *kept >= 0.8 * power)
             .collect();
         simpler.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
@@ -130,10 +169,11 @@ impl Search<'_> {
             tried.push(atom.term.kind);
             let mut atoms = others.clone();
             atoms.insert(group[0], atom.clone());
-            let Some(rival) = Hypothesis::new(self.design, atoms).map(|h| self.refine(h, ROUGH)) else {
-                continue;
-            };
-            let as_good = kept(&rival.atoms[group[0]]) >= COLLINEAR * COLLINEAR * power
+            let Some(rival) = Hypothesis::new(self.design, atoms) else { continue };
+            let needed = self.needed(&rival, best);
+            let rival = self.refine_by(rival, ROUGH, needed);
+            let kept = Basis::of(&rival.atoms[group[0]].outside(&basis)).captured(&own);
+            let as_good = kept >= COLLINEAR * COLLINEAR * power
                 && self.interval(&rival, best)[0] <= 0.0
                 && self.physical(&rival);
             if as_good {

@@ -6,7 +6,11 @@ use signals::{Map, ReadOptions, Recording};
 
 fn recording() -> Recording {
     let map: Map = MAP.parse().unwrap();
-    Recording::read(fixtures::folder().join("positioner.mat"), &ReadOptions { map: Some(map) }).unwrap()
+    Recording::read(
+        fixtures::folder().join("positioner.mat"),
+        &ReadOptions { map: Some(map), ..ReadOptions::default() },
+    )
+    .unwrap()
 }
 
 #[test]

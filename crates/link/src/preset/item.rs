@@ -13,6 +13,9 @@ pub const MAX_ITEM: usize = 256;
 /// Key of the item that names the default. Presets have the smaller keys.
 pub const DEFAULT_KEY: u8 = MAX_SAVED as u8;
 
+/// Key of the item with the calibration of the sensors, which the device reads and writes itself.
+pub const CALIBRATION_KEY: u8 = DEFAULT_KEY + 1;
+
 /// Content of an item.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time

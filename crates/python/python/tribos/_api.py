@@ -19,18 +19,20 @@ Sources = Union[Source, Sequence[Source]]
 
 
 @overload
-def read(path: Path, map: Maps = None) -> Recording: ...
+def read(path: Path, map: Maps = None, joint: Optional[str] = None) -> Recording: ...
 
 
 @overload
-def read(path: Paths, map: Maps = None) -> List[Recording]: ...
+def read(path: Paths, map: Maps = None, joint: Optional[str] = None) -> List[Recording]: ...
 
 
-def read(path: Union[Path, Paths], map: Maps = None) -> Union[Recording, List[Recording]]:
-    """Reads a recording, or several: CSV, ``.mat`` (v5) or ``.json``.
+def read(
+    path: Union[Path, Paths], map: Maps = None, joint: Optional[str] = None
+) -> Union[Recording, List[Recording]]:
+    """Reads a recording, or several: text, ``.mat``, ``.json``, ``.h5``, ``.parquet``, ``.mcap``, or a bag of ROS 2.
 
     ``map`` says what the variables of a file are, if their names do not: ``"position_m=qm,force_n=35.15*vir"``; for files of several
-    kinds a list of maps. Raises :class:`RecordingError` with file, line, column, the value found and what would be accepted.
+    kinds a list of maps. ``joint`` picks one of a file that has several: ``"elbow"``, ``"j2"``, ``"2"``. Raises :class:`RecordingError` with file, line, column, the value found and what would be accepted.
 
     >>> import tribos
     >>> tribos.read("nowhere.csv")
@@ -38,8 +40,8 @@ def read(path: Union[Path, Paths], map: Maps = None) -> Union[Recording, List[Re
     tribos.RecordingError: nowhere.csv: No such file or directory
     """
     if isinstance(path, (str, os.PathLike)):
-        return Recording._of(_tribos.read([os.fspath(path)], maps_of(map))[0])
-    return [Recording._of(native) for native in _tribos.read([os.fspath(p) for p in path], maps_of(map))]
+        return Recording._of(_tribos.read([os.fspath(path)], maps_of(map), joint)[0])
+    return [Recording._of(native) for native in _tribos.read([os.fspath(p) for p in path], maps_of(map), joint)]
 
 
 def identify(

@@ -97,6 +97,11 @@ class Recording:
         return self._native.metadata
 
     @property
+    def remarks(self) -> List[str]:
+        """What reading did to the numbers: units converted, clocks joined."""
+        return self._native.remarks
+
+    @property
     def sample_period(self) -> Optional[float]:
         """Median time between samples, s."""
         return self._native.sample_period
@@ -174,7 +179,7 @@ def recordings(source: Union[Source, Sequence[Source]]) -> List[_tribos.Recordin
     if isinstance(source, Recording):
         return [source._native]
     if isinstance(source, (str, os.PathLike)):
-        return _tribos.read([os.fspath(source)], [])
+        return _tribos.read([os.fspath(source)], [], None)
     if isinstance(source, Mapping) or hasattr(source, "columns"):
         return [Recording(source)._native]  # type: ignore[arg-type]
     return [native for one in source for native in recordings(one)]

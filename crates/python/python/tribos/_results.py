@@ -399,6 +399,8 @@ class Diagnosis(_Result):
     detectable: Optional[float]
     #: Share of the samples that were judged: those at which the body slides and the direction is known.
     judged_share: float
+    #: Share of the samples that was fitted: of a recording with more than about 100 000, evenly spread parts.
+    fitted_share: float
     cutoff_hz: Optional[float]
     nuisances: List[PerRecording]
     validation: List[Validation]

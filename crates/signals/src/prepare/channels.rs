@@ -33,6 +33,23 @@ pub struct Channels {
 const COARSE: f64 = 0.05;
 
 impl Channels {
+    /// A part of it, as a stretch of its own.
+    #[must_use]
+    pub fn part(&self, range: std::ops::Range<usize>) -> Self {
+        let of = |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[range.clone()].to_vec());
+        Self {
+            recording: self.recording,
+            dt: self.dt,
+            start: self.start + range.start as f64 * self.dt,
+            position: self.position[range.clone()].to_vec(),
+            velocity: of(&self.velocity),
+            acceleration: of(&self.acceleration),
+            force: self.force[range.clone()].to_vec(),
+            normal: of(&self.normal),
+            reference: of(&self.reference),
+        }
+    }
+
     /// The columns of a recording over one of its stretches.
     pub(super) fn of(recording: &Recording, stretch: &Stretch) -> Self {
         let grid = |column: &Vec<f64>| stretch.grid(column);

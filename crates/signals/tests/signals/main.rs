@@ -2,5 +2,7 @@
 
 mod audit;
 mod filters;
+mod foreign;
 mod recordings;
+mod round_trips;
 mod smoother;

@@ -10,7 +10,7 @@ fn csv(text: &str) -> Result<Recording, Error> {
 
 fn mapped(text: &str, map: &str) -> Result<Recording, Error> {
     let map: Map = map.parse()?;
-    Recording::from_csv("rec.csv", text.as_bytes(), &ReadOptions { map: Some(map) })
+    Recording::from_csv("rec.csv", text.as_bytes(), &ReadOptions { map: Some(map), ..ReadOptions::default() })
 }
 
 /// The refusal, printed; it has to be one line and to hold every one of `parts`.
@@ -46,6 +46,43 @@ fn an_axis_and_other_delimiters() {
     let r = csv("time_s,\"position_m\",force_n,note\n0,1,2,\"a, b\"\n").unwrap();
     assert_eq!(r.position, [1.0]);
     assert_eq!(r.metadata["columns_not_used"], "note");
+}
+
+#[test]
+fn units_decimal_signs_and_spaces() {
+    let r = csv("time [ms];Position (mm);force;note\n;;N;-\n0;1,5;2;a\n500;-2,5e1;3;b\n").unwrap();
+    assert_eq!((r.time, r.position, r.force), (vec![0.0, 0.5], vec![0.0015, -0.025], vec![2.0, 3.0]));
+    assert_eq!(r.remarks, ["converted: time [ms] from ms to s, Position (mm) from mm to m"]);
+    let r = csv("  time_s \"position_rad\"   torque_nm\n 0   1\t 2\n1 2 3 \n").unwrap();
+    assert_eq!(r.force, [2.0, 3.0]);
+    let r = csv("t;x;F\nms;mm;N\n0;1;2\n1;2;3\n");
+    refused(r, &["rec.csv:1", "no column time_s", "t, x, F"]);
+    let r = mapped("t;x;F\nms;mm;N\n0;1;2\n500;2;3\n", "time_s=t/1000,position_m=x/1000,force_n=F").unwrap();
+    assert_eq!(
+        (r.time, &*r.remarks[0]),
+        (vec![0.0, 0.5], "the map computes with the numbers of the file: t in ms, x in mm")
+    );
+
+    refused(
+        csv("time;position;force\ns;counts;N\n0;1;2\n"),
+        &["rec.csv:1: column 2 (position)", "counts", "map"],
+    );
+    refused(
+        csv("time;position;force\ns;parsec;N\n0;1;2\n"),
+        &["column 2 (position)", "`parsec`", "accepted are s, ms"],
+    );
+    refused(
+        csv("time_s;position_m;force_n\ns;mm;N\n0;1;2\n"),
+        &["column 2 (position_m)", "in m by its name and in mm"],
+    );
+    refused(
+        csv("time;position;force\ns;mm;Nm\n0;1;2\n"),
+        &["column 3 (force)", "a slide or an axis, not both"],
+    );
+    let mixed = "time_s;position_m;force_n\n0;1,5;2\n1;1.5;2\n";
+    refused(csv(mixed), &["rec.csv:3: column 2 (position_m)", "`1.5`", "another decimal sign than line 2"]);
+    refused(csv("time_s;position_m;force_n\n0;1.000,5;2\n"), &["rec.csv:2: column 2", "not a number"]);
+    refused(csv("time_s position_m force_n\n0 1\n"), &["rec.csv:2", "2 cells", "3"]);
 }
 
 #[test]
@@ -140,7 +177,9 @@ fn matlab_files() {
         file.extend(matrix(big, "two", &[2, 1], &[1.0, 2.0]));
         let path = dir.path().join("rec.mat");
         std::fs::write(&path, &file).unwrap();
-        let read = |map: &str| Recording::read(&path, &ReadOptions { map: Some(map.parse()?) });
+        let read = |map: &str| {
+            Recording::read(&path, &ReadOptions { map: Some(map.parse()?), ..ReadOptions::default() })
+        };
         let r = read("time_s=t,position_m=position,force_n=k*position").unwrap();
         assert_eq!(
             (r.time, r.position, r.force),
@@ -159,7 +198,7 @@ fn matlab_files() {
     }
     let path = dir.path().join("new.mat");
     std::fs::write(&path, b"MATLAB 7.3 MAT-file, and so on").unwrap();
-    refused(Recording::read(&path, &ReadOptions::default()), &["new.mat", "7.3", "save -v7"]);
+    refused(Recording::read(&path, &ReadOptions::default()), &["new.mat", "not a MATLAB file", "save -v7"]);
     std::fs::write(&path, b"hello").unwrap();
     refused(Recording::read(&path, &ReadOptions::default()), &["new.mat", "not a MATLAB file"]);
 }
@@ -179,7 +218,7 @@ fn each_file_is_read_with_the_map_it_needs() {
         .map(|m| m.parse().unwrap())
         .into();
     let read = |name: &str, maps: &[Map]| {
-        let (r, used) = Recording::read_with_maps(path(name), maps)?;
+        let (r, used) = Recording::read_with_maps(path(name), maps, None)?;
         Ok::<_, Error>((r.force, maps.iter().position(|map| Some(map) == used)))
     };
     assert_eq!(read("rig.mat", &maps).unwrap(), (vec![5.0, 6.0], Some(0)));
@@ -240,7 +279,7 @@ fn any_column(n: usize) -> impl Strategy<Value = Vec<f64>> {
     )
 }
 
-fn any_recording() -> impl Strategy<Value = Recording> {
+pub(crate) fn any_recording() -> impl Strategy<Value = Recording> {
     (1usize..30).prop_flat_map(|n| {
         let optional = || prop::option::of(any_column(n));
         (
@@ -271,15 +310,23 @@ fn any_recording() -> impl Strategy<Value = Recording> {
 }
 
 /// Equal bits; any NaN equals any other, a text has only one.
-fn same(a: &Recording, b: &Recording) -> bool {
+pub(crate) fn same(a: &Recording, b: &Recording) -> bool {
     let bits = |r: &Recording| -> Vec<(&'static str, Vec<u64>)> {
         let of = |x: &f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
         r.columns().into_iter().map(|(n, c)| (n, c.iter().map(of).collect())).collect()
     };
-    bits(a) == bits(b) && a.metadata == b.metadata && a.geometry == b.geometry && a.name == b.name
+    let extra = |r: &Recording| -> Vec<(String, Vec<u64>)> {
+        let of = |x: &f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
+        r.extra.iter().map(|(n, c)| (n.clone(), c.iter().map(of).collect())).collect()
+    };
+    bits(a) == bits(b)
+        && extra(a) == extra(b)
+        && a.metadata == b.metadata
+        && a.geometry == b.geometry
+        && a.name == b.name
 }
 
-fn cases(cases: u32) -> ProptestConfig {
+pub(crate) fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 
@@ -337,6 +384,6 @@ proptest! {
         let path = dir.path().join("x.mat");
         std::fs::write(&path, &file).unwrap();
         let map: Map = "time_s=t,position_m=x,force_n=k*x".parse().unwrap();
-        let _ = Recording::read(&path, &ReadOptions { map: Some(map) });
+        let _ = Recording::read(&path, &ReadOptions { map: Some(map), ..ReadOptions::default() });
     }
 }

@@ -109,7 +109,7 @@ pub(crate) fn read(
     let mut refused = None;
     for map in maps {
         let map: Map = map.parse()?;
-        match Recording::read(path, &ReadOptions { map: Some(map) }) {
+        match Recording::read(path, &ReadOptions { map: Some(map), ..ReadOptions::default() }) {
             Ok(recording) => return Record::new(&file, recording, between).map(Some),
             Err(e) => refused = refused.or(Some(e)),
         }

@@ -1,6 +1,6 @@
 //! ADC1: the injected sequence with its trigger, sampling times, oversampling and clock.
 
-use crate::units_per_cycle;
+use crate::{UNITS_PER_MS, units_per_cycle};
 
 const ISR: u32 = 0x00;
 const IER: u32 = 0x04;
@@ -11,7 +11,11 @@ const SMPR1: u32 = 0x14;
 const SMPR2: u32 = 0x18;
 const JSQR: u32 = 0x4c;
 const JDR1: u32 = 0x80;
+const CALFACT: u32 = 0xb4;
 const CCR: u32 = 0x308;
+
+/// What a calibration finds.
+const CALIBRATED: u32 = 0x40;
 
 /// Timer trigger outputs among the injected triggers of ADC1 [rm0440, "ADC1 external triggers for injected channels"]:
 /// (JEXTSEL, timer).
@@ -19,6 +23,8 @@ const TRIGGERS: [(u32, u8); 7] = [(0, 1), (2, 2), (5, 4), (9, 8), (12, 3), (14, 
 const PRESCALERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
 /// Sampling times in half cycles.
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
+/// Pause after which the first conversion is wrong, units. The errata give 1 ms; a control period is as long.
+const LONG_IDLE: u64 = UNITS_PER_MS / 10;
 /// Fastest clock the data sheet allows, Hz.
 const MAX_HZ: u64 = 60_000_000;
 
@@ -36,12 +42,14 @@ pub(crate) struct Adc {
     regs: [u32; 256],
     /// End of the running sequence and its results.
     running: Option<(u64, [u16; 4])>,
+    /// End of the last conversion.
+    idle_since: u64,
     pub violation: Option<String>,
 }
 
 impl Adc {
     pub fn new() -> Self {
-        let mut adc = Self { regs: [0; 256], running: None, violation: None };
+        let mut adc = Self { regs: [0; 256], running: None, idle_since: 0, violation: None };
         adc.set(CR, 1 << 29);
         adc.set(CFGR, 1 << 31);
         adc
@@ -82,6 +90,9 @@ impl Adc {
         let old = self.reg(CR);
         // calibration and ADDIS act at once; stops withdraw starts
         let mut new = value & !(1 << 31);
+        if value & 1 << 31 != 0 && old & 1 == 0 {
+            self.set(CALFACT, CALIBRATED);
+        }
         if value & 2 != 0 {
             new &= !3;
         }
@@ -122,6 +133,9 @@ impl Adc {
         if clock > MAX_HZ {
             self.violation = Some(format!("ADC1 clocked at {clock} Hz, more than {MAX_HZ} Hz"));
         }
+        if self.reg(CALFACT) == 0 {
+            self.violation = Some("ADC1 used without its calibration".into());
+        }
         let (ratio, shift) = self.oversampling();
         let mut half_cycles = 0;
         let mut results = [0; 4];
@@ -129,7 +143,11 @@ impl Adc {
             let channel = jsqr >> (9 + 6 * rank) & 0x1f;
             half_cycles += ratio * (self.sampling(channel) + 25);
             // the sum of `ratio` 12-bit conversions of a level that dithers across the last bits
-            let sum = (u64::from(level(channel)) * ratio) >> 4;
+            let mut sum = (u64::from(level(channel)) * ratio) >> 4;
+            if rank == 0 && now.saturating_sub(self.idle_since) > LONG_IDLE {
+                // the first of the conversions gives nothing
+                sum -= sum / ratio;
+            }
             let most = ratio * 4095;
             *result = (sum.min(most) >> shift) as u16;
         }
@@ -163,6 +181,7 @@ impl Adc {
             return None;
         }
         self.running = None;
+        self.idle_since = end;
         for (rank, result) in results.into_iter().enumerate() {
             self.set(JDR1 + 4 * rank as u32, u32::from(result));
         }
@@ -171,10 +190,11 @@ impl Adc {
         Some(isr & 1 << 6 != 0)
     }
 
-    /// Replaces the results of the conversions.
+    /// Replaces the last two results of the sequence.
     pub fn replace(&mut self, results: [u16; 2]) {
-        for (rank, result) in results.into_iter().enumerate() {
-            self.set(JDR1 + 4 * rank as u32, u32::from(result));
+        let last = self.reg(JSQR) & 3;
+        for (back, result) in results.into_iter().rev().enumerate() {
+            self.set(JDR1 + 4 * last.saturating_sub(back as u32), u32::from(result));
         }
     }
 
@@ -190,6 +210,7 @@ mod tests {
     fn board() -> Adc {
         let mut adc = Adc::new();
         adc.write(CR, 1 << 28);
+        adc.write(CR, 1 << 28 | 1 << 31);
         adc.write(CR, 1 << 28 | 1);
         adc.write(CCR, 2 << 18);
         adc.write(CFGR2, 2 | 3 << 2);
@@ -211,6 +232,10 @@ mod tests {
         assert_eq!(adc.advance(adc.next_event()), Some(false));
         assert_eq!((adc.read(JDR1), adc.read(JDR1 + 4)), (40_000, 65_520));
         assert_eq!(adc.violation, None);
+        // after a period without conversions the first one is wrong
+        assert_eq!(adc.trigger(6, UNITS_PER_MS, 170_000_000, level), Triggered::Started);
+        adc.advance(adc.next_event());
+        assert_eq!((adc.read(JDR1), adc.read(JDR1 + 4)), (37_500, 65_520));
     }
 
     #[test]

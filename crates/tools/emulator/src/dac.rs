@@ -6,6 +6,10 @@ const DHR12R1: u32 = 0x08;
 const DHR12L1: u32 = 0x0c;
 const DHR8R1: u32 = 0x10;
 const DOR1: u32 = 0x2c;
+const MCR: u32 = 0x3c;
+
+/// 0.2 V of 3.3 V.
+const RAIL_CODES: u16 = 248;
 
 /// TSEL of each timer's trigger output [rm0440, "DAC1 interconnection"]: (code, timer).
 const TRIGGERS: [(u32, u8); 8] = [(1, 8), (2, 7), (3, 15), (4, 2), (5, 4), (7, 6), (8, 3), (0, 0)];
@@ -24,6 +28,13 @@ impl Dac {
     /// Output code, `None` while the channel is off.
     pub fn code(&self) -> Option<u16> {
         (self.cr & 1 != 0).then_some(self.output)
+    }
+
+    /// The same at the pin: the buffer, unless it is off, does not come nearer to the rails of 3.3 V than 0.2 V [ds12288, "DAC
+    /// characteristics"].
+    pub fn output_code(&self) -> Option<u16> {
+        let buffered = matches!(self.read(MCR) & 7, 0 | 1);
+        self.code().map(|code| if buffered { code.clamp(RAIL_CODES, 4096 - RAIL_CODES) } else { code })
     }
 
     pub fn read(&self, offset: u32) -> u32 {
@@ -83,6 +94,19 @@ impl Dac {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_buffer_ends_before_the_rails() {
+        let mut dac = Dac::default();
+        dac.write(CR, 1);
+        for (code, buffered) in [(0, 248), (100, 248), (2048, 2048), (4095, 3848)] {
+            dac.write(DHR12R1, code);
+            dac.write(MCR, 0);
+            assert_eq!(dac.output_code(), Some(buffered));
+            dac.write(MCR, 2);
+            assert_eq!(dac.output_code(), Some(code as u16));
+        }
+    }
 
     #[test]
     fn alignment_and_trigger_are_decoded() {

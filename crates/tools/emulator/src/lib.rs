@@ -63,8 +63,9 @@ pub use rcc::ResetCause;
 pub use reach::{Lost, Reach};
 pub use stats::{Statistics, Summary};
 
-/// Units of virtual time per second: an integer for a cycle of 170 MHz (16) and of 16 MHz (170).
-pub const UNITS_PER_SECOND: u64 = 2_720_000_000;
+/// Units of virtual time per second: an integer for a cycle of 170 MHz (1 600) and of 16 MHz (17 000), and fine enough for an
+/// oscillator that is off by a part in 1 000.
+pub const UNITS_PER_SECOND: u64 = 272_000_000_000;
 /// Units of virtual time in a millisecond.
 pub const UNITS_PER_MS: u64 = UNITS_PER_SECOND / 1_000;
 

@@ -7,7 +7,7 @@ use crate::inject::{Injector, Pulses};
 use crate::rcc::ResetCause;
 use crate::soc::{IRQ_ADC1_2, IRQS, Soc};
 use crate::stats::Statistics;
-use crate::wait::loads_literal;
+use crate::wait::{Waits, loads_literal};
 use crate::world::World;
 use crate::{Image, Injected, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
@@ -286,7 +286,8 @@ impl Machine {
         self.next = soc.next_event();
         self.shared.waits().set(soc.flash.acr());
         let due = soc.watchdog_due(self.now);
-        let (nmi, power_lost) = (std::mem::take(&mut soc.flash.nmi), soc.flash.power_lost);
+        let nmi = std::mem::take(&mut soc.flash.nmi) | std::mem::take(&mut soc.rcc.nmi);
+        let power_lost = soc.flash.power_lost;
         drop(soc);
         // a pulse: rsemu would take a level again until the handler clears it
         self.cpu.set_nmi(nmi);
@@ -348,6 +349,8 @@ impl Machine {
         self.shared.soc().reset(cause, self.now);
         // unlike the chip, a reset of rsemu keeps NVIC settings and a lazy FPU context
         self.cpu = core(&self.space);
+        // its cycles begin at 0 again: a line that was read ahead would be there only when they are where they were
+        *self.shared.waits() = Waits::new();
         self.lines = Default::default();
         self.shared.touched.store(true, Relaxed);
         self.entered = None;
@@ -429,9 +432,31 @@ impl Machine {
         self.shared.soc().press_stop(pressed);
     }
 
+    /// The amplifier reports a fault, or is healthy again.
+    pub fn set_amplifier_fault(&mut self, faulty: bool) {
+        self.shared.soc().amplifier_fault = faulty;
+    }
+
+    /// Breaks or repairs the wire of the force command. Without it the amplifier's input is at 0 V: the full negative force.
+    pub fn break_command(&mut self, broken: bool) {
+        self.shared.soc().world.command_broken = broken;
+    }
+
     /// Writes a register like a hardware fault.
     pub fn poke(&mut self, address: u32, value: u32) {
         self.shared.soc().write(address, value, self.now);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// The crystal stops, or oscillates again.
+    pub fn set_crystal(&mut self, oscillates: bool) {
+        self.shared.soc().set_crystal(oscillates, self.now);
+        self.shared.touched.store(true, Relaxed);
+    }
+
+    /// Deviation of the internal oscillator, parts in 10 000: 100 is 1 %.
+    pub fn set_internal_clock_error(&mut self, parts: i64) {
+        self.shared.soc().rcc.hsi_error = parts;
         self.shared.touched.store(true, Relaxed);
     }
 

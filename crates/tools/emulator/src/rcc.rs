@@ -1,10 +1,12 @@
-//! Reset and clock control: oscillators (which start at once), PLL, switch, enables and resets.
+//! Reset and clock control: oscillators (which start at once), clock security, PLL, switch, enables and resets.
 
 use std::collections::HashMap;
 
 const CR: u32 = 0x00;
 const CFGR: u32 = 0x08;
 const PLLCFGR: u32 = 0x0c;
+const CIFR: u32 = 0x1c;
+const CICR: u32 = 0x20;
 const CCIPR: u32 = 0x88;
 const BDCR: u32 = 0x90;
 const CSR: u32 = 0x94;
@@ -13,6 +15,13 @@ const CRRCR: u32 = 0x98;
 const HSI_HZ: u64 = 16_000_000;
 /// Crystal of the board's X3.
 const HSE_HZ: u64 = 24_000_000;
+/// Flags of an oscillator that failed, and the bits of CR around it.
+const CSS_FLAG: u32 = 1 << 8;
+const CSS_ON: u32 = 1 << 19;
+const HSE_ON: u32 = 1 << 16;
+const PLL_ON: u32 = 1 << 24;
+/// Highest clock to which the core may switch with an undivided AHB [rm0440, "System clock (SYSCLK) selection"].
+const UNDIVIDED_HZ: u64 = 80_000_000;
 
 /// Reason of a reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,12 +69,52 @@ pub(crate) type Gate = (u32, u32);
 #[derive(Debug)]
 pub(crate) struct Rcc {
     regs: HashMap<u32, u32>,
+    /// Whether the crystal oscillates once it is switched on.
+    crystal: bool,
+    /// Deviation of the internal oscillator, parts in 10 000.
+    pub hsi_error: i64,
+    /// The clock security system interrupts.
+    pub nmi: bool,
+    pub violation: Option<String>,
 }
 
 impl Rcc {
     pub fn new(cause: ResetCause) -> Self {
         let regs = HashMap::from([(CR, 0x500), (CFGR, 0x5), (PLLCFGR, 0x1000), (CSR, cause.flags())]);
-        Self { regs }
+        Self { regs, crystal: true, hsi_error: 0, nmi: false, violation: None }
+    }
+
+    /// Resets the registers. The oscillators remain what they are.
+    pub fn reset(&mut self, cause: ResetCause) {
+        *self = Self { crystal: self.crystal, hsi_error: self.hsi_error, ..Self::new(cause) };
+    }
+
+    /// The crystal stops, or oscillates again. A core that it clocks goes on with the internal oscillator if clock security is
+    /// on, and stops otherwise.
+    pub fn set_crystal(&mut self, oscillates: bool) {
+        self.crystal = oscillates;
+        let cr = self.reg(CR);
+        if !oscillates && cr & CSS_ON != 0 && cr & HSE_ON != 0 {
+            let of_pll = self.reg(PLLCFGR) & 3 == 3;
+            let off = HSE_ON | CSS_ON | if of_pll { PLL_ON } else { 0 };
+            self.regs.insert(CR, cr & !off);
+            let cfgr = self.reg(CFGR);
+            if cfgr & 3 == 2 || cfgr & 3 == 3 && of_pll {
+                self.regs.insert(CFGR, cfgr & !3 | 1);
+            }
+            self.regs.insert(CIFR, CSS_FLAG);
+            self.nmi = true;
+        }
+    }
+
+    /// Internal oscillator, Hz.
+    fn hsi(&self) -> u64 {
+        HSI_HZ.saturating_add_signed((HSI_HZ / 10_000) as i64 * self.hsi_error)
+    }
+
+    /// Crystal, Hz; 0 while it does not oscillate.
+    fn hse(&self) -> u64 {
+        if self.crystal && self.reg(CR) & HSE_ON != 0 { HSE_HZ } else { 0 }
     }
 
     fn reg(&self, offset: u32) -> u32 {
@@ -76,7 +125,10 @@ impl Rcc {
         let value = self.reg(offset);
         let ready = |value: u32, on: u32, ready: u32| (value & !(1 << ready)) | ((value >> on) & 1) << ready;
         match offset {
-            CR => ready(ready(ready(value, 8, 10), 16, 17), 24, 25),
+            CR => {
+                let value = ready(ready(ready(value, 8, 10), 16, 17), 24, 25);
+                if self.hse() == 0 { value & !(1 << 17) } else { value }
+            }
             CFGR => (value & !0xc) | (value & 3) << 2,
             BDCR | CRRCR | CSR => ready(value, 0, 1),
             _ => value,
@@ -88,16 +140,26 @@ impl Rcc {
             // RMVF clears the flags; they cannot be written
             CSR if value & (1 << 23) != 0 => value & 1,
             CSR => (value & 1) | (self.reg(CSR) & 0xff00_0000),
+            // clock security lasts until the crystal fails or the chip resets
+            CR => value | (self.reg(CR) & CSS_ON),
             _ => value,
         };
+        if offset == CICR && value & CSS_FLAG != 0 {
+            self.regs.insert(CIFR, 0);
+        }
+        let before = self.hclk();
         self.regs.insert(offset, value);
+        let now = self.hclk();
+        if offset == CFGR && before <= UNDIVIDED_HZ && now > UNDIVIDED_HZ && now == self.sysclk() {
+            self.violation = Some(format!("switched from {before} to {now} Hz with an undivided AHB"));
+        }
     }
 
     /// Frequency of the core clock before the AHB divider, Hz.
     fn sysclk(&self) -> u64 {
         match self.reg(CFGR) & 3 {
-            1 => HSI_HZ,
-            2 => HSE_HZ,
+            1 => self.hsi(),
+            2 => self.hse(),
             3 => self.pll_r(),
             _ => 0,
         }
@@ -106,8 +168,8 @@ impl Rcc {
     fn pll_r(&self) -> u64 {
         let r = self.reg(PLLCFGR);
         let source = match r & 3 {
-            2 => HSI_HZ,
-            3 => HSE_HZ,
+            2 => self.hsi(),
+            3 => self.hse(),
             _ => 0,
         };
         let running = self.reg(CR) & (1 << 24) != 0 && r & (1 << 24) != 0;
@@ -156,7 +218,7 @@ impl Rcc {
         match self.reg(CCIPR) >> 10 & 3 {
             0 => self.pclk1(),
             1 => self.sysclk(),
-            2 => HSI_HZ,
+            2 => self.hsi(),
             _ => 32_768,
         }
     }
@@ -182,6 +244,35 @@ mod tests {
         assert_eq!(rcc.read(CFGR) >> 2 & 3, 3);
         rcc.write(CFGR, 3 | 4 << 8);
         assert_eq!((rcc.pclk1(), rcc.timer1()), (85_000_000, 170_000_000));
+    }
+
+    #[test]
+    fn a_crystal_that_stops_leaves_the_internal_oscillator_only_with_clock_security() {
+        for security in [true, false] {
+            let mut rcc = Rcc::new(ResetCause::PowerOn);
+            rcc.write(CR, 0x500 | HSE_ON | if security { CSS_ON } else { 0 });
+            assert_ne!(rcc.read(CR) & 1 << 17, 0);
+            rcc.write(PLLCFGR, 3 | 5 << 4 | 85 << 8 | 1 << 24);
+            rcc.write(CR, rcc.read(CR) | PLL_ON);
+            rcc.write(CFGR, 3 | 8 << 4);
+            rcc.write(CFGR, 3);
+            assert_eq!((rcc.hclk(), rcc.violation.take()), (170_000_000, None));
+            rcc.set_crystal(false);
+            assert_eq!((rcc.hclk(), rcc.nmi), if security { (16_000_000, true) } else { (0, false) });
+            assert_eq!(rcc.read(CIFR) & CSS_FLAG != 0, security);
+            rcc.reset(ResetCause::Software);
+            rcc.write(CR, 0x500 | HSE_ON);
+            assert_eq!(rcc.read(CR) & 1 << 17, 0, "still dead after the reset");
+        }
+    }
+
+    #[test]
+    fn a_switch_beyond_80_mhz_needs_a_divided_ahb() {
+        let mut rcc = Rcc::new(ResetCause::PowerOn);
+        rcc.write(PLLCFGR, 2 | 3 << 4 | 85 << 8 | 1 << 24);
+        rcc.write(CR, 0x500 | PLL_ON);
+        rcc.write(CFGR, 3);
+        assert!(rcc.violation.is_some());
     }
 
     #[test]

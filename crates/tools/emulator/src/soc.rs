@@ -33,6 +33,7 @@ const APB1ENR2: u32 = 0x5c;
 const ADC_GATE: Gate = (AHB2ENR, 13);
 const DAC_GATE: Gate = (AHB2ENR, 16);
 const LPUART_GATE: Gate = (APB1ENR2, 0);
+const PWR_GATE: Gate = (APB1ENR1, 28);
 
 /// Numbers of the driven interrupt lines.
 pub(crate) const IRQ_ADC1_2: u16 = 18;
@@ -47,6 +48,7 @@ const ENABLE_FUNCTION: u32 = 2;
 const ENABLE_TIMER: usize = 1;
 const ENABLE_CHANNEL: u32 = 2;
 const STOP_PIN: u32 = 7;
+const AMPLIFIER_FAULT_PIN: u32 = 10;
 
 /// Indices of timers: TIM2 is 0.
 const ENCODER: usize = 0;
@@ -66,6 +68,8 @@ pub(crate) struct Soc {
     other: HashMap<u32, u32>,
     pub world: World,
     stop_pressed: bool,
+    /// The amplifier's fault output is open.
+    pub amplifier_fault: bool,
     pub injector: Option<Injector>,
     /// Edges of the encoder at an even pace, instead of those of the rig.
     pub pulses: Option<Pulses>,
@@ -98,6 +102,7 @@ impl Soc {
             other: HashMap::new(),
             world,
             stop_pressed: false,
+            amplifier_fault: false,
             injector: None,
             pulses: None,
             capture_lag: CAPTURE_LAG_CYCLES,
@@ -122,7 +127,7 @@ impl Soc {
         self.violations.extend(self.flash.violation.take());
         let shown = std::mem::take(&mut self.lpuart.shown);
         let overruns = self.lpuart.overruns;
-        self.rcc = Rcc::new(cause);
+        self.rcc.reset(cause);
         self.tims = [2, 3, 4, 5, 6, 7].map(Tim::new);
         self.adc = Adc::new();
         self.dac = Dac::default();
@@ -151,7 +156,7 @@ impl Soc {
     /// Input of the amplifier: a code while it is enabled and the DAC drives its pin.
     fn force_code(&self, now: u64) -> Option<u16> {
         let driven = self.gpio[0].analog(4);
-        self.dac.code().filter(|_| self.amplifier_on(now) && driven)
+        self.dac.output_code().filter(|_| self.amplifier_on(now) && driven)
     }
 
     pub fn watchdog_due(&self, now: u64) -> bool {
@@ -185,7 +190,13 @@ impl Soc {
                 value
             }
             IWDG..0x4000_3400 => self.iwdg.read(offset),
-            PWR..0x4000_7400 => self.supply.read_pwr(offset),
+            PWR..0x4000_7400 => {
+                if self.gate(PWR_GATE, "PWR") {
+                    self.supply.read_pwr(offset)
+                } else {
+                    0
+                }
+            }
             EXTI..0x4001_0800 => self.supply.read_exti(offset),
             LPUART1..0x4000_8400 => {
                 if self.gate(LPUART_GATE, "LPUART1") {
@@ -198,6 +209,7 @@ impl Soc {
             FLASH..0x4002_2400 => self.flash.read(offset, now),
             GPIOA..0x4800_1c00 => {
                 self.gpio[2].drive(STOP_PIN, self.stop_pressed);
+                self.gpio[1].drive(AMPLIFIER_FAULT_PIN, self.amplifier_fault);
                 self.gpio[((address - GPIOA) / 0x400) as usize].read(offset)
             }
             ADC1..DAC1 => {
@@ -230,7 +242,11 @@ impl Soc {
                 }
             }
             IWDG..0x4000_3400 => self.feed(offset, value, now),
-            PWR..0x4000_7400 => self.supply.write_pwr(offset, value),
+            PWR..0x4000_7400 => {
+                if self.gate(PWR_GATE, "PWR") {
+                    self.supply.write_pwr(offset, value);
+                }
+            }
             EXTI..0x4001_0800 => self.supply.write_exti(offset, value),
             LPUART1..0x4000_8400 => {
                 if self.gate(LPUART_GATE, "LPUART1") {
@@ -240,6 +256,7 @@ impl Soc {
             }
             RCC..0x4002_1400 => {
                 self.rcc.write(offset, value);
+                self.clock_timers(now);
                 self.check_clock();
             }
             FLASH..0x4002_2400 => {
@@ -268,15 +285,32 @@ impl Soc {
         }
     }
 
+    fn clock_timers(&mut self, now: u64) {
+        let cycle = units_per_cycle(self.rcc.timer1());
+        for tim in &mut self.tims {
+            tim.set_clock(cycle, now);
+        }
+    }
+
+    /// The crystal stops, or oscillates again.
+    pub fn set_crystal(&mut self, oscillates: bool, now: u64) {
+        self.advance(now);
+        self.rcc.set_crystal(oscillates);
+        self.clock_timers(now);
+    }
+
     fn check_clock(&mut self) {
+        self.violations.extend(self.rcc.violation.take());
         let (hz, wait_states) = (self.rcc.hclk(), self.flash.wait_states());
-        if hz > 34_000_000 * (wait_states + 1) {
+        // the internal oscillator is off by up to 1 %
+        let (per_state, most) = (34_340_000, 171_700_000);
+        if hz > per_state * (wait_states + 1) {
             self.violations.insert(format!("{hz} Hz with {wait_states} flash wait states"));
         }
         if hz > 150_000_000 && !self.supply.boosted() {
             self.violations.insert(format!("{hz} Hz without boost"));
         }
-        if hz > 170_000_000 {
+        if hz > most {
             self.violations.insert(format!("core at {hz} Hz, more than 170 MHz"));
         }
     }

@@ -119,7 +119,7 @@ impl Tim {
     }
 
     fn count_length(&self) -> u64 {
-        self.cycle * self.prescaler
+        self.cycle.saturating_mul(self.prescaler)
     }
 
     fn modulus(&self) -> u64 {
@@ -146,12 +146,20 @@ impl Tim {
 
     fn time_of_total(&self, total: u64) -> u64 {
         let (since, base) = self.origin;
-        since + total.saturating_sub(base) * self.count_length()
+        since.saturating_add(total.saturating_sub(base).saturating_mul(self.count_length()))
     }
 
     fn restart(&mut self, now: u64, count: u32) {
         self.origin = (now, u64::from(count));
         self.seen = u64::from(count);
+    }
+
+    /// The clock of the bus changed: a running counter goes on at the new rate.
+    pub fn set_clock(&mut self, cycle: u64, now: u64) {
+        if cycle != self.cycle {
+            self.origin = (now, self.total(now));
+            self.cycle = cycle;
+        }
     }
 
     pub fn read(&self, offset: u32, now: u64) -> u32 {

@@ -6,7 +6,7 @@ use plant::{Bench, Hand, NoHand, Rig, RigConfig, Sensors, Truth, Wiring};
 use std::collections::VecDeque;
 
 /// Force per code of the DAC through the amplifier, N. Code 2048 is no force.
-const NEWTON_PER_CODE: f64 = 10.0 / 2048.0;
+const NEWTON_PER_CODE: f64 = 11.0 / 2048.0;
 const CODE_ZERO: f64 = 2048.0;
 /// Length of a chunk of the rig, 170 MHz ticks: 10 µs.
 const CHUNK_TICKS: u32 = 1_700;
@@ -57,6 +57,8 @@ pub(crate) struct World {
     /// Present levels, and those at the end of the chunk.
     levels: (u16, u16),
     force: f64,
+    /// The wire of the command is broken: the amplifier's input is at 0 V.
+    pub command_broken: bool,
 }
 
 impl std::fmt::Debug for World {
@@ -90,6 +92,7 @@ impl World {
             edges: VecDeque::new(),
             last_edge: (0, true),
             force: 0.0,
+            command_broken: false,
         })
     }
 
@@ -135,6 +138,7 @@ impl World {
     /// Computes the next chunk if it is due. `code` is the DAC's output while the amplifier is on.
     pub fn advance(&mut self, now: u64, code: Option<u16>) {
         while now >= self.until {
+            let code = code.map(|code| if self.command_broken { 0 } else { code });
             self.force = code.map_or(0.0, |code| (f64::from(code) - CODE_ZERO) * NEWTON_PER_CODE);
             self.levels = (self.sensors.load_code, self.sensors.accel_code);
             let before = self.sensors;

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
   tribos compare real.csv rendered.csv --expect same
   tribos compare --demo")]
 pub struct Args {
-    /// The real block, moved by the device or by a hand: CSV, .mat (v5) or .json; signals named with their units, or by --map
+    /// The real block, moved by the device or by a hand: any file that identify reads; signals named with their units, or by --map
     #[arg(value_name = "REAL", required_unless_present = "demo")]
     real: Option<PathBuf>,
     /// The rendered block, moved by a hand
@@ -41,7 +41,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Brass, Teflon and rubber on the virtual device, rendered correctly and a tenth wrong; --out is then a folder
-    #[arg(long, conflicts_with_all = ["real", "rendered", "bare", "expect", "json", "margin", "maps"])]
+    #[arg(long, conflicts_with_all = ["real", "rendered", "bare", "expect", "json", "margin", "maps", "joint"])]
     demo: bool,
     /// Seed of the demo's noise
     #[arg(long, default_value_t = 1, requires = "demo")]

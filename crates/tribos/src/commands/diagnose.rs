@@ -130,6 +130,12 @@ pub(crate) fn outline(name: &str, found: &Diagnosis) -> String {
         number(found.baseline.rms_heldout, 4),
         number(found.after.rms_heldout, 4)
     );
+    if found.fitted_share < 1.0 {
+        out += &format!(
+            "  fitted: parts spread evenly over the recording, {:.0} % of its samples\n",
+            100.0 * found.fitted_share
+        );
+    }
     let mut where_ = Table::new(&["where it goes wrong", ">from", ">to", "unit", ">share", ">p"]);
     for l in found.location.iter().take(6) {
         where_.row([

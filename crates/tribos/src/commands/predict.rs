@@ -15,7 +15,7 @@ pub struct Args {
     /// Model written by `identify --out` or `diagnose --out`
     #[arg(long, value_name = "model.toml")]
     model: PathBuf,
-    /// Recording: CSV, .mat (v5) or .json; signals named with their units, or by --map
+    /// Recording: text, .mat, .json, .h5, .parquet, .mcap, a ROS 2 bag; signals named with their units, or by --map
     #[arg(value_name = "REC")]
     recording: PathBuf,
     /// Prediction to write, CSV: time_s, force_n (torque_nm) and its standard deviation force_std_n (torque_std_nm) at every

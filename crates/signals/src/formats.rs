@@ -1,0 +1,267 @@
+//! Kinds of files: recognised by what they begin with, then by the suffix of their name. The one place that decides.
+
+#[cfg(feature = "hdf5")]
+use crate::hdf5_io;
+#[cfg(feature = "parquet")]
+use crate::parquet_io;
+use crate::variables::{self, Wanted};
+use crate::{Error, Map, Recording, csv_io, files, json_io, mat_io};
+#[cfg(feature = "ros2")]
+use crate::{bag_io, mcap_io};
+use std::cell::Cell;
+use std::io::Read;
+use std::path::Path;
+
+/// A kind of file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Text,
+    Json,
+    /// MATLAB 5 to 7.
+    Matlab,
+    /// HDF5, and MATLAB 7.3.
+    Hdf5,
+    Parquet,
+    Mcap,
+    /// A bag's file.
+    Sqlite,
+    /// A bag's folder.
+    Folder,
+}
+
+/// Suffixes of the files that can be written, for messages.
+pub const WRITTEN: [&str; 5] = ["csv", "mat", "mcap", "parquet", "h5"];
+
+/// Bytes from the beginning that decide.
+const HEAD: usize = 8192;
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// How to read a file.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ReadOptions {
+    /// What the columns are, for a file that does not use the names of this crate.
+    pub map: Option<Map>,
+    /// Which joint, of a file that has several: the label in the names of its columns, its name in a log, or its column of an array,
+    /// from 1.
+    pub joint: Option<String>,
+}
+
+impl Recording {
+    /// Reads a recording: text, JSON, MATLAB 5 to 7.3, HDF5, Parquet, MCAP, or a bag of ROS 2. What a file begins with decides on its
+    /// kind, then the suffix of its name.
+    ///
+    /// # Errors
+    /// Names the file, the line and the column or the topic, what was found and what would be accepted.
+    pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, Error> {
+        let map = |_: &dyn Fn(&str) -> bool| options.map.as_ref();
+        read(path.as_ref(), &Wanted { map: &map, joint: options.joint.as_deref() })
+    }
+
+    /// Reads a recording with the map that its file needs: the first whose variables it all has, or none where its columns have
+    /// the names of this crate. Returns that map, too.
+    ///
+    /// # Errors
+    /// As [`Recording::read`], with the map that misses the fewest variables.
+    pub fn read_with_maps<'m>(
+        path: impl AsRef<Path>,
+        maps: &'m [Map],
+        joint: Option<&str>,
+    ) -> Result<(Self, Option<&'m Map>), Error> {
+        let used = Cell::new(None);
+        let map = |has: &dyn Fn(&str) -> bool| {
+            used.set(Map::needed(maps, has));
+            used.get()
+        };
+        let recording = read(path.as_ref(), &Wanted { map: &map, joint })?;
+        Ok((recording, used.get()))
+    }
+
+    /// Reads the text of a CSV file; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn from_csv(name: &str, text: &[u8], options: &ReadOptions) -> Result<Self, Error> {
+        let map = |_: &dyn Fn(&str) -> bool| options.map.as_ref();
+        let wanted = Wanted { map: &map, joint: options.joint.as_deref() };
+        Ok(Self { name: name.into(), ..csv_io::read(name, text, &wanted)? })
+    }
+
+    /// A recording of columns by name, as from a data frame; `name` stands for them in messages. Without a map, columns of other
+    /// names are kept as [`Recording::extra`].
+    ///
+    /// ```
+    /// use signals::Recording;
+    /// let columns = [("time_s", [0.0, 1e-3]), ("position_m", [0.0, 1e-6]), ("force_n", [1.0, 1.1])];
+    /// let columns = columns.map(|(name, values)| (name.to_owned(), values.to_vec()));
+    /// let recording = Recording::from_columns("frame", columns.to_vec(), &[])?;
+    /// assert_eq!(recording.force, [1.0, 1.1]);
+    /// # Ok::<(), signals::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The column that is missing, given twice, of another length, or not what the map needs.
+    pub fn from_columns(name: &str, columns: Vec<(String, Vec<f64>)>, maps: &[Map]) -> Result<Self, Error> {
+        let wanted = Wanted { map: &|has| Map::needed(maps, has), joint: None };
+        Ok(Self { name: name.into(), ..variables::of_columns(name, columns, &wanted)? })
+    }
+
+    /// Writes a file of the kind that its name says ([`crate::WRITTEN`]), completely or not at all: [`Recording::read`] gives back equal
+    /// columns, bit for bit. Returns a remark on what the kind cannot hold.
+    ///
+    /// # Errors
+    /// Columns of unequal length, a suffix of another kind, or a file that cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<Option<String>, Error> {
+        let path = path.as_ref();
+        let (bytes, remark) = written(path, self)?;
+        files::write(path, &bytes).map_err(|e| {
+            let (file, text) = (path.display().to_string(), e.to_string());
+            let why = text.strip_prefix(&format!("{file}: ")).unwrap_or(&text).to_owned();
+            Error::File { file, why }
+        })?;
+        Ok(remark)
+    }
+
+    /// Writes CSV: [`Recording::read`] gives back equal columns, bit for bit.
+    ///
+    /// # Errors
+    /// Columns of unequal length, or a file that cannot be written.
+    pub fn write_csv(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        let text = self.to_csv()?;
+        std::fs::write(path, text)
+            .map_err(|e| Error::File { file: path.display().to_string(), why: files::reason(&e) })
+    }
+
+    /// The text of [`Recording::write_csv`].
+    ///
+    /// # Errors
+    /// Columns of unequal length.
+    pub fn to_csv(&self) -> Result<String, Error> {
+        csv_io::write(self)
+    }
+}
+
+/// The kind of a file that begins with `head`.
+fn recognised(path: &Path, head: &[u8]) -> Result<Format, String> {
+    let suffix = suffix(path);
+    // HDF5 may begin behind a block of the user's: 512 bytes, 1024, …
+    let hdf5 = std::iter::once(0)
+        .chain((9..13).map(|n| 1 << n))
+        .any(|at| head.get(at..).is_some_and(|b| b.starts_with(HDF5)));
+    let by_content = [
+        (hdf5, Format::Hdf5),
+        (head.starts_with(b"MATLAB 5.0"), Format::Matlab),
+        (head.starts_with(b"PAR1"), Format::Parquet),
+        (head.starts_with(b"\x89MCAP0\r\n"), Format::Mcap),
+        (head.starts_with(b"SQLite format 3\0"), Format::Sqlite),
+    ];
+    if let Some((_, format)) = by_content.iter().find(|(is, _)| *is) {
+        return Ok(*format);
+    }
+    let not_read = [
+        (&b"#ROSBAG V"[..], "a bag of ROS 1; accepted is one of ROS 2: `rosbags-convert --src IN --dst OUT`"),
+        (b"PK\x03\x04", "a zip archive (a spreadsheet or .npz?); accepted is a .csv of it"),
+        (b"\x1f\x8b", "compressed by gzip; accepted once it is unpacked"),
+        (b"\x28\xb5\x2f\xfd", "compressed by zstd; accepted once it is unpacked"),
+        (
+            b"\x93NUMPY",
+            "an array of NumPy, which has no names; accepted is a .csv, .parquet or .h5 of named columns",
+        ),
+    ];
+    if let Some((_, what)) = not_read.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Err((*what).into());
+    }
+    let told =
+        |what: &str| Err(format!("is not {what}, though its name says so: it is damaged or of another kind"));
+    match suffix.as_str() {
+        "mat" => Ok(Format::Matlab),
+        "json" => Ok(Format::Json),
+        "h5" | "hdf5" | "hdf" => told("HDF5"),
+        "parquet" | "pq" => told("Parquet"),
+        "mcap" => told("MCAP"),
+        "db3" => told("SQLite"),
+        _ => Ok(Format::Text),
+    }
+}
+
+fn suffix(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// Whether a folder is a recording: a bag of ROS 2.
+#[must_use]
+pub fn is_bag(path: &Path) -> bool {
+    path.join("metadata.yaml").is_file()
+}
+
+/// Reads a file of any kind.
+fn read(path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
+    let file = path.display().to_string();
+    let fail = |why: String| Error::File { file: file.clone(), why };
+    let words = |e: std::io::Error| fail(files::reason(&e));
+    let format = if path.is_dir() && is_bag(path) {
+        Format::Folder
+    } else {
+        let mut head = Vec::new();
+        std::fs::File::open(path).and_then(|f| f.take(HEAD as u64).read_to_end(&mut head)).map_err(words)?;
+        recognised(path, &head).map_err(fail)?
+    };
+    let bytes = || std::fs::read(path).map_err(words);
+    let mut recording = match format {
+        Format::Text => csv_io::read(&file, &bytes()?, wanted)?,
+        Format::Json => json_io::read(&file, &bytes()?, wanted)?,
+        Format::Matlab => mat_io::read(&file, &bytes()?, wanted)?,
+        #[cfg(feature = "hdf5")]
+        Format::Hdf5 => hdf5_io::read(&file, bytes()?, wanted)?,
+        #[cfg(feature = "parquet")]
+        Format::Parquet => parquet_io::read(&file, bytes()?, wanted)?,
+        #[cfg(feature = "ros2")]
+        Format::Mcap => mcap_io::read(&file, path, wanted)?,
+        #[cfg(feature = "ros2")]
+        Format::Sqlite => bag_io::read(&file, path, wanted)?,
+        #[cfg(feature = "ros2")]
+        Format::Folder => bag_io::read_folder(&file, path, wanted)?,
+        #[cfg(not(all(feature = "hdf5", feature = "parquet", feature = "ros2")))]
+        other => return Err(fail(format!("{other:?}: this program was built without a reader of it"))),
+    };
+    recording.name = path.file_name().map_or_else(|| file.clone(), |n| n.to_string_lossy().into_owned());
+    Ok(recording)
+}
+
+/// The bytes of a file of the kind that its name says, and a remark on what it cannot hold.
+fn written(path: &Path, recording: &Recording) -> Result<(Vec<u8>, Option<String>), Error> {
+    let file = path.display().to_string();
+    recording.check_lengths()?;
+    check_suffix(path)?;
+    match suffix(path).as_str() {
+        "csv" => Ok((csv_io::write(recording)?.into_bytes(), None)),
+        "mat" => Ok((mat_io::write(&file, recording)?, None)),
+        #[cfg(feature = "hdf5")]
+        "h5" => Ok((hdf5_io::write(&file, recording)?, None)),
+        #[cfg(feature = "parquet")]
+        "parquet" => Ok((parquet_io::write(&file, recording)?, None)),
+        #[cfg(feature = "ros2")]
+        "mcap" => mcap_io::write(&file, recording),
+        other => {
+            Err(Error::File { file, why: format!(".{other}: this program was built without a writer of it") })
+        }
+    }
+}
+
+/// Refuses a name whose suffix is of no kind that is written.
+///
+/// # Errors
+/// The name, and the suffixes that are accepted.
+pub fn check_suffix(path: &Path) -> Result<(), Error> {
+    let suffix = suffix(path);
+    if WRITTEN.contains(&suffix.as_str()) {
+        return Ok(());
+    }
+    let file = path.display().to_string();
+    let [most @ .., last] = WRITTEN;
+    let accepted = most.map(|s| format!(".{s}")).join(", ");
+    Err(Error::File {
+        file,
+        why: format!("cannot write `.{suffix}`; accepted is a name ending in {accepted} or .{last}"),
+    })
+}
