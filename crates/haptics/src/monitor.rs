@@ -14,10 +14,10 @@
 //! [`Limits::unexplained_force`] with the same sign, so that one wrong sensor of the motion is not a wrong force. A
 //! command wire that broke, an amplifier without supply, a load cell that floats: each leaves a force unexplained. At a
 //! stop of the stroke the stop takes any force, so nothing is judged there; with the stops unknown the handle must also
-//! travel [`TRAVEL`], which no stop lets it.
+//! travel 4 mm, which no stop lets it.
 //!
-//! **Sensors.** A converter whose code does not change at all for [`FROZEN_S`] measures nothing: 16 summed conversions of a
-//! live signal have noise. An accelerometer that floats has noise, but does not follow the encoder: over blocks of [`BLOCK_MS`] it
+//! **Sensors.** A converter whose code does not change at all for 0.5 s measures nothing: 16 summed conversions of a
+//! live signal have noise. An accelerometer that floats has noise, but does not follow the encoder: over blocks of 20 ms it
 //! must show at least half of the energy of the second differences of the speed.
 //!
 //! **Heat.** I²t from the command: the square of the force, as a share of that of [`Limits::continuous_force`], through the
