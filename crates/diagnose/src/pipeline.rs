@@ -33,11 +33,14 @@ use crate::search::joint::Joint;
 use crate::search::judgement::Search;
 use crate::search::lasting::{self, Withdrawn};
 use crate::search::regression::Regression;
+use friction::Dimension;
 use friction::effects::Parameter;
 use friction::parameters::{DELAY, DELTA_V};
-use friction::{Dimension, Geometry};
 use rayon::prelude::*;
-use signals::{Channels, FaultKind, Noise, Recording, RecordingFault, central_difference, derived_noise};
+use signals::{
+    Channels, FaultKind, Noise, Recording, RecordingFault, central_difference, derived_noise,
+    implausible_mass,
+};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
@@ -179,27 +182,6 @@ fn with_delay(stretches: &[Channels], cutoff: f64, reversals: Reversals) -> Opti
         Some((delay, std)) if delay.abs() - 3.0 * std <= dt => Some(design),
         _ => DesignMatrix::new(stretches, cutoff, reversals, false),
     }
-}
-
-/// A mass below zero is no mass: what was recorded as the force is not what accelerates this body.
-fn implausible_mass(fit: &Fit, geometry: Geometry) -> Option<RecordingFault> {
-    let (mass, std) = (*fit.coefficients.first()?, *fit.std_errors.first()?);
-    if mass >= 0.0 {
-        return None;
-    }
-    let unit = Dimension::MASS.unit(geometry);
-    let what = if geometry == Geometry::Rotary { "inertia" } else { "mass" };
-    let because = if mass + 3.0 * std < 0.0 {
-        "the force has the wrong sign, or is mostly something else than what accelerates this body (a pressure, a \
-         preload, a spring)"
-    } else {
-        "the motion is too slow, or the channels too noisy, for inertia to show"
-    };
-    Some(RecordingFault {
-        kind: FaultKind::Implausible,
-        at_s: None,
-        why: format!("the {what} that fits best is {mass:.4} ± {std:.4} {unit}: {because}"),
-    })
 }
 
 struct Run<'a> {
@@ -409,7 +391,8 @@ impl Run<'_> {
     /// What the audit said, and what only the fit could see.
     fn faults(&self, found: &Hypothesis) -> Vec<RecordingFault> {
         let mut faults = self.intake.faults.clone();
-        faults.extend(implausible_mass(&found.fit, self.intake.geometry));
+        let mass = found.fit.coefficients.first().zip(found.fit.std_errors.first());
+        faults.extend(mass.and_then(|(mass, std)| implausible_mass(*mass, *std, self.intake.geometry)));
         for (i, atom) in found.atoms.iter().enumerate() {
             let TermKind::Series(kind) = atom.term.kind else { continue };
             let gains = atom.gains(found.coefficients(self.design(), i));

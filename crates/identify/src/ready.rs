@@ -2,8 +2,10 @@
 
 use crate::Signals;
 use crate::errors::{Errors, Variances};
+use crate::identification::Estimate;
 use crate::moves::Moves;
-use signals::{Error, Geometry, Measured, Smoothed, smooth};
+use signals::{Error, Geometry, Measured, RecordingFault, Smoothed, implausible_mass, smooth};
+use std::collections::BTreeMap;
 
 /// How well a residual fits.
 pub(crate) struct Goodness {
@@ -140,6 +142,12 @@ impl<'a> Ready<'a> {
         let n = self.signals.acceleration.len().max(1) as f64;
         let rms = (self.signals.acceleration.iter().map(|a| a * a).sum::<f64>() / n).sqrt();
         ((2.0 * distance / rms.max(1e-12)).sqrt() / self.dt).ceil().clamp(1.0, 1e9) as usize
+    }
+
+    /// Faults of the recording: what the audit found, and what only the fit could see.
+    pub fn faults(&self, parameters: &BTreeMap<String, Estimate>) -> Vec<RecordingFault> {
+        let mass = parameters.get("mass").and_then(|m| implausible_mass(m.value, m.std, self.geometry));
+        self.signals.recording_faults().into_iter().chain(mass).collect()
     }
 
     /// Relative error, rms and R² of a residual of the rows `at`.

@@ -184,7 +184,8 @@ fn fit(how: &How, recording: &Recording, preparations: &[Preparation]) -> Result
         // several were joined: each has its own preparation, behind the cut-off of the fit
         let cutoff_hz = signals.preparation().cutoff_hz;
         found.preparation = preparations.iter().map(|p| Preparation { cutoff_hz, ..p.clone() }).collect();
-        found.recording_faults = preparations.iter().flat_map(|p| p.faults.clone()).collect();
+        let of_fit = found.recording_faults.split_off(signals.preparation().faults.len());
+        found.recording_faults = preparations.iter().flat_map(|p| p.faults.clone()).chain(of_fit).collect();
     }
     Ok((signals, found))
 }

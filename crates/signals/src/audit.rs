@@ -13,6 +13,7 @@ pub use clock::regressed;
 pub use fault::{FaultKind, RecordingFault};
 pub use jumps::{Jump, jumps};
 pub use outliers::without_outliers;
+pub use plausible::implausible_mass;
 
 use crate::Recording;
 use crate::stretches::{cut, used};

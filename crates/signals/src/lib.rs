@@ -50,7 +50,9 @@ mod topics;
 mod units;
 mod variables;
 
-pub use audit::{Audit, FaultKind, Jump, RecordingFault, audit, jumps, regressed, without_outliers};
+pub use audit::{
+    Audit, FaultKind, Jump, RecordingFault, audit, implausible_mass, jumps, regressed, without_outliers,
+};
 pub use basis::{Basis, dot, random_signs, subtract_scaled};
 pub use bridge::{Bridged, bridged};
 pub use calibrate::{Calibration, calibrate_accelerometer};

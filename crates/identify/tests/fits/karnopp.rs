@@ -9,7 +9,7 @@ use plant::materials::{RUBBER, TABLE_3_3};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use signals::Recording;
+use signals::{FaultKind, Recording};
 
 /// A recording of F = 0.4 a + (1.5, 1.2) s + (2, 3) v with a little noise, moved by `x(t)`, `v(t)`, `a(t)`.
 fn moved(seconds: f64, motion: impl Fn(f64) -> (f64, f64, f64)) -> Recording {
@@ -162,6 +162,17 @@ fn at_rest_there_is_nothing() {
             Err(e) => println!("{how:?}: {e}"),
         }
     }
+}
+
+#[test]
+fn a_force_with_the_wrong_sign_gave_a_negative_mass_and_no_word() {
+    let right = moved(8.0, sine(0.02, 9.0));
+    let kinds = |r: &Recording| -> Vec<FaultKind> {
+        fit(r, &Preprocess::default()).recording_faults.iter().map(|f| f.kind).collect()
+    };
+    assert_eq!(kinds(&right), []);
+    let wrong = Recording { force: right.force.iter().map(|f| -f).collect(), ..right };
+    assert_eq!(kinds(&wrong), [FaultKind::Implausible]);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use super::fault::{FaultKind, RecordingFault};
 use crate::noise::quantum;
 use crate::{Geometry, Recording};
+use friction::Dimension;
 use std::f64::consts::{PI, TAU};
 
 /// Rates of sampling, Hz.
@@ -31,6 +32,25 @@ const UNITS: [(f64, &str); 8] = [
 /// The unit that a factor between two columns points to.
 pub(super) fn unit_of(factor: f64) -> Option<&'static str> {
     UNITS.iter().find(|(unit, _)| (factor / unit - 1.0).abs() < 0.03).map(|(_, what)| *what)
+}
+
+/// A mass below zero is no mass: what was recorded as the force is not what accelerates this body. `mass` and its standard
+/// error, kg or kg·m², come from a fit.
+#[must_use]
+pub fn implausible_mass(mass: f64, std: f64, geometry: Geometry) -> Option<RecordingFault> {
+    if !(mass < 0.0) {
+        return None;
+    }
+    let unit = Dimension::MASS.unit(geometry);
+    let what = if geometry == Geometry::Rotary { "inertia" } else { "mass" };
+    let because = if mass + 3.0 * std < 0.0 {
+        "the force has the wrong sign, or is mostly something else than what accelerates this body (a pressure, a \
+         preload, a spring)"
+    } else {
+        "the motion is too slow, or the channels too noisy, for inertia to show"
+    };
+    let why = format!("the {what} that fits best is {mass:.4} ± {std:.4} {unit}: {because}");
+    Some(RecordingFault::new(FaultKind::Implausible, None, why))
 }
 
 /// A position in counts, in degrees or in millimetres, as far as its own values tell.
