@@ -49,7 +49,9 @@ pub fn implausible_mass(mass: f64, std: f64, geometry: Geometry) -> Option<Recor
     } else {
         "the motion is too slow, or the channels too noisy, for inertia to show"
     };
-    let why = format!("the {what} that fits best is {mass:.4} ± {std:.4} {unit}: {because}");
+    // two digits of the error
+    let places = (1.0 - std.log10().floor()).clamp(0.0, 12.0) as usize;
+    let why = format!("the {what} that fits best is {mass:.places$} ± {std:.places$} {unit}: {because}");
     Some(RecordingFault::new(FaultKind::Implausible, None, why))
 }
 
