@@ -35,6 +35,8 @@ pub struct Source {
     pub random_given: u32,
     /// Samples at a rail to come.
     rails: u32,
+    /// Samples so far.
+    given: u16,
     pub skew: u32,
 }
 
@@ -48,11 +50,13 @@ impl Source {
             motion: (0, 0),
             random_given: 0,
             rails: 0,
+            given: 0,
             skew: 0,
         }
     }
 
     pub fn next(&mut self) -> Injected {
+        self.given = self.given.wrapping_add(1);
         self.random_given += u32::from(!matches!(self.style, Style::Rest | Style::Home));
         let r = &mut self.random;
         let skew_ticks = std::mem::take(&mut self.skew);
@@ -67,7 +71,9 @@ impl Source {
                 (self.speed, self.count) =
                     (self.count.clamp(-20, 20), self.count - self.count.clamp(-20, 20));
                 let edge_age = moved.then(|| r.draw() as u32 % (PERIOD / 2));
-                Injected { load_code: MID, accel_code: MID, count: self.count as u32, edge_age, skew_ticks }
+                // the noise of a sensor that lives
+                let code = MID + (self.given & 1);
+                Injected { load_code: code, accel_code: code, count: self.count as u32, edge_age, skew_ticks }
             }
             Style::Any => Injected {
                 load_code: r.draw() as u16,
