@@ -28,10 +28,7 @@ fn check(image: &Image) -> Vec<String> {
     wants(at_rest.abs() < 0.5, format!("at rest the amplifier is told {at_rest:.2} N"));
     let load = load_under_5_newton(image);
     wants((load - 5.0).abs() < 0.5, format!("5 N on the load cell are {load:.2} N"));
-    let mut stopping = Machine::free_handle(image, 1);
-    stopping.run_for(50.0);
-    stopping.serial_write(b"render on\n");
-    stopping.run_for(20.0);
+    let mut stopping = rendering(image);
     stopping.set_crystal(false);
     stopping.run_for(3.0);
     wants(!stopping.amplifier_on(), "enable line high 3 ms after the crystal stopped".into());
@@ -114,14 +111,24 @@ fn check(image: &Image) -> Vec<String> {
         wants(off < 1e-3, format!("velocity {:.1} % off by an edge during the sampling", 100.0 * off));
     }
     // the processor hangs: nothing but hardware can take the force away
-    if machine.run_into_control() {
-        machine.hang();
-        machine.run_for(1.0);
-        wants(!machine.amplifier_on(), "enable line high 1 ms after the processor hung".into());
+    let mut hanging = rendering(image);
+    if hanging.run_into_control() {
+        hanging.hang();
+        hanging.run_for(1.0);
+        wants(!hanging.amplifier_on(), "enable line high 1 ms after the processor hung".into());
     } else {
         wants(false, "no control step to hang in".into());
     }
     saw
+}
+
+/// A machine that renders, its amplifier on.
+fn rendering(image: &Image) -> Machine {
+    let mut machine = Machine::free_handle(image, 1);
+    machine.run_for(50.0);
+    machine.serial_write(b"render on\n");
+    machine.run_for(20.0);
+    machine
 }
 
 /// What the device says of 5 N on its load cell, N.
