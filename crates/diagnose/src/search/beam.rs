@@ -166,8 +166,9 @@ impl Search<'_> {
         trials
             .into_par_iter()
             .filter_map(|new| {
-                let atoms = from.atoms.iter().cloned().chain(new).collect();
-                Hypothesis::new(self.design, atoms)
+                let atoms: Vec<Atom> = from.atoms.iter().cloned().chain(new).collect();
+                let parameters: usize = atoms.iter().map(Atom::parameters).sum();
+                (parameters <= self.max_parameters).then(|| Hypothesis::new(self.design, atoms))?
             })
             .filter(|h| self.physical(h))
             .collect()

@@ -40,6 +40,8 @@ pub struct Search<'a> {
     pub systematic: f64,
     /// Most terms.
     pub max_terms: usize,
+    /// Most gains and shapes of all terms together: so many as the rows can tell apart.
+    pub max_parameters: usize,
     /// Hypotheses carried along.
     pub width: usize,
     /// Seed of every draw.

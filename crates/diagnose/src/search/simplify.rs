@@ -9,11 +9,6 @@ use crate::search::refine::ROUGH;
 use nalgebra::DVector;
 use signals::Basis;
 
-/// What an atom costs: its columns and its shapes.
-fn size(a: &Atom) -> usize {
-    a.columns.len() + a.term.kind.shape().len()
-}
-
 impl Search<'_> {
     /// Takes out of each term the gains that its recording does not ask for: the second harmonic, a second end of the
     /// stroke, a difference between the directions. A line may stand at twice its wavelength as a second harmonic.
@@ -105,11 +100,11 @@ impl Search<'_> {
 
     /// The catalogue's atoms that may stand in the place of one or two terms of `best`, with its columns.
     fn overlap(&self, best: &Hypothesis) -> Overlap<'_> {
-        let mut sizes: Vec<usize> = best.atoms.iter().map(size).collect();
+        let mut sizes: Vec<usize> = best.atoms.iter().map(Atom::parameters).collect();
         sizes.sort_unstable();
         let most: usize = sizes.iter().rev().take(2).sum();
         let atoms = self.catalogue.testable().into_iter();
-        let atoms = atoms.filter(|a| !best.has(a.term.kind) && size(a) < most).collect();
+        let atoms = atoms.filter(|a| !best.has(a.term.kind) && a.parameters() < most).collect();
         Overlap::new(atoms, &Hypothesis::columns(self.design, &best.atoms))
     }
 
@@ -123,7 +118,7 @@ impl Search<'_> {
 
     /// The simplest hypothesis with one term in the place of the `group`, where one is as good.
     fn simpler(&self, best: &Hypothesis, overlap: &Overlap, group: &[usize]) -> Option<Hypothesis> {
-        let of_group: usize = group.iter().map(|i| size(&best.atoms[*i])).sum();
+        let of_group: usize = group.iter().map(|i| best.atoms[*i].parameters()).sum();
         let others: Vec<Atom> = best
             .atoms
             .iter()
@@ -149,8 +144,8 @@ impl Search<'_> {
             .atoms
             .iter()
             .enumerate()
-            .filter(|(_, a)| size(a) < of_group)
-            .map(|(i, a)| (size(a), overlap.captured(&span, i), *a))
+            .filter(|(_, a)| a.parameters() < of_group)
+            .map(|(i, a)| (a.parameters(), overlap.captured(&span, i), *a))
             .filter(|(_, kept, _)| *kept >= 0.8 * span.power)
             .collect();
         simpler.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
