@@ -42,6 +42,7 @@ mod recording;
 mod smoother;
 mod sources;
 mod statistics;
+mod stored;
 mod stretches;
 #[cfg(feature = "parquet")]
 mod thrift;
