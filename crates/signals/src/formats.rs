@@ -5,7 +5,7 @@ use crate::hdf5_io;
 #[cfg(feature = "parquet")]
 use crate::parquet_io;
 use crate::variables::{self, Wanted};
-use crate::{Error, Map, Recording, csv_io, files, json_io, mat_io};
+use crate::{Error, Map, Recording, csv_io, files, json_io, mat_io, signatures};
 #[cfg(feature = "ros2")]
 use crate::{bag_io, mcap_io};
 use std::cell::Cell;
@@ -34,7 +34,6 @@ pub const WRITTEN: [&str; 5] = ["csv", "mat", "mcap", "parquet", "h5"];
 
 /// Bytes from the beginning that decide.
 const HEAD: usize = 8192;
-const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// How to read a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -147,13 +146,13 @@ fn recognised(path: &Path, head: &[u8]) -> Result<Format, String> {
     // HDF5 may begin behind a block of the user's: 512 bytes, 1024, …
     let hdf5 = std::iter::once(0)
         .chain((9..13).map(|n| 1 << n))
-        .any(|at| head.get(at..).is_some_and(|b| b.starts_with(HDF5)));
+        .any(|at| head.get(at..).is_some_and(|b| b.starts_with(signatures::HDF5)));
     let by_content = [
         (hdf5, Format::Hdf5),
-        (head.starts_with(b"MATLAB 5.0"), Format::Matlab),
-        (head.starts_with(b"PAR1"), Format::Parquet),
-        (head.starts_with(b"\x89MCAP0\r\n"), Format::Mcap),
-        (head.starts_with(b"SQLite format 3\0"), Format::Sqlite),
+        (head.starts_with(signatures::MATLAB_5), Format::Matlab),
+        (head.starts_with(signatures::PARQUET), Format::Parquet),
+        (head.starts_with(signatures::MCAP), Format::Mcap),
+        (head.starts_with(signatures::SQLITE), Format::Sqlite),
     ];
     if let Some((_, format)) = by_content.iter().find(|(is, _)| *is) {
         return Ok(*format);
@@ -191,7 +190,7 @@ fn suffix(path: &Path) -> String {
 /// Whether a folder is a recording: a bag of ROS 2.
 #[must_use]
 pub fn is_bag(path: &Path) -> bool {
-    path.join("metadata.yaml").is_file()
+    path.join(signatures::BAG_METADATA).is_file()
 }
 
 /// Reads a file of any kind.

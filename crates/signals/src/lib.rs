@@ -39,6 +39,7 @@ mod noise;
 mod parquet_io;
 mod prepare;
 mod recording;
+mod signatures;
 mod smoother;
 mod sources;
 mod statistics;

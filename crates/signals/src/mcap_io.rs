@@ -7,15 +7,13 @@
 use crate::columns;
 use crate::topics::{self, Topics};
 use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Recording, files, limits};
+use crate::{Error, Recording, files, limits, signatures};
 use mcap::records::{MessageHeader, Metadata};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
-
-pub(crate) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// Operation codes of the records that are read.
 const FOOTER: u8 = 0x02;
@@ -79,7 +77,7 @@ impl Log {
         let mut file = BufReader::new(File::open(path).map_err(words)?);
         let size = file.get_ref().metadata().map_err(words)?.len();
         self.size = usize::try_from(size).map_err(|e| e.to_string())?;
-        let mut at = MAGIC.len() as u64;
+        let mut at = signatures::MCAP.len() as u64;
         file.seek(SeekFrom::Start(at)).map_err(words)?;
         loop {
             let cut =

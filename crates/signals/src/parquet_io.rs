@@ -4,7 +4,7 @@
 
 use crate::thrift::Walk;
 use crate::variables::{TIME_ZERO, Variable, Wanted, assemble};
-use crate::{Error, Recording, limits};
+use crate::{Error, Recording, limits, signatures};
 use bytes::Bytes;
 use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical, ZstdLevel};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -88,7 +88,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
 /// Refuses a footer that does not fit its bytes.
 fn check_footer(bytes: &[u8]) -> Result<(), String> {
     let (rest, end) = bytes.split_last_chunk::<8>().ok_or("Parquet that is cut off")?;
-    if &end[4..] != b"PAR1" {
+    if &end[4..] != signatures::PARQUET {
         return Err("Parquet that is cut off: it does not end with PAR1".into());
     }
     let length = u32::from_le_bytes([end[0], end[1], end[2], end[3]]) as usize;
