@@ -173,10 +173,7 @@ impl<'a> Table<'a> {
             })?;
         let numbers = self.numbers(|i| matches!(roles[i], Role::Column(..)))?;
         let columns = roles.iter().zip(numbers).filter_map(|(role, values)| match role {
-            Role::Column(column, unit) if unit.is_si() => Some((*column, values)),
-            Role::Column(column, unit) => {
-                Some((*column, values.into_iter().map(|x| unit.to_si(x)).collect()))
-            }
+            Role::Column(column, unit) => Some((*column, unit.all_to_si(values))),
             Role::Extra => None,
         });
         let mut recording = columns::assemble(columns.collect()).map_err(|missing| {

@@ -159,10 +159,7 @@ fn named(
     for (variable, role) in variables.into_iter().zip(roles) {
         let values = variable.values.unwrap_or_default();
         match role {
-            Role::Column(column, unit) if unit.is_si() => found.push((column, values)),
-            Role::Column(column, unit) => {
-                found.push((column, values.into_iter().map(|x| unit.to_si(x)).collect()));
-            }
+            Role::Column(column, unit) => found.push((column, unit.all_to_si(values))),
             Role::Extra => drop(extra.insert(variable.name, values)),
         }
     }
