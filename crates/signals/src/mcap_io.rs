@@ -7,7 +7,7 @@
 use crate::columns;
 use crate::topics::{self, Topics};
 use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Recording, files, limits, signatures};
+use crate::{Error, Recording, files, json_io, limits, signatures};
 use mcap::records::{MessageHeader, Metadata};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
@@ -273,12 +273,7 @@ impl<'a> Fields<'a> {
 
 /// Numbers of a JSON value, by their paths.
 fn flatten(path: &str, value: &Value, depth: usize, out: &mut Vec<(String, f64)>) {
-    let number = match value {
-        Value::Number(number) => number.as_f64(),
-        Value::Bool(on) => Some(f64::from(u8::from(*on))),
-        _ => None,
-    };
-    if let Some(number) = number.filter(|_| out.len() < MOST) {
+    if let Some(number) = json_io::number(value).filter(|_| out.len() < MOST) {
         out.push((path.to_owned(), number));
     }
     if let Some(members) = value.as_object().filter(|_| depth < 8) {
