@@ -32,7 +32,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
     Ok(recording)
 }
 
-/// What of a file was read so far.
+/// Variables of a file as it is walked through, and the memory they take.
 struct Found {
     matlab: bool,
     variables: Vec<Variable>,
@@ -191,7 +191,7 @@ impl Found {
     }
 }
 
-/// Type and byte order (big-endian or not) of a type of plain numbers; `None` for any other.
+/// Type of plain numbers, and whether its bytes are big-endian; `None` for any other type.
 fn stored(datatype: &Datatype) -> Option<(Stored, bool)> {
     let big = |order: &DatatypeByteOrder| *order == DatatypeByteOrder::BigEndian;
     match datatype {

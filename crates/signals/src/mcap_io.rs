@@ -57,7 +57,7 @@ struct Channel {
     kind: String,
 }
 
-/// What of a log was read so far.
+/// Contents of a log, collected record by record.
 #[derive(Default)]
 struct Log {
     schemas: HashMap<u16, String>,

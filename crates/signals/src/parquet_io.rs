@@ -124,7 +124,7 @@ fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData) -> Result<(), String>
     Ok(())
 }
 
-/// How the numbers of a column are read.
+/// Type of the numbers of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Boolean,
@@ -173,11 +173,11 @@ fn kind(column: &ColumnDescriptor) -> Result<Kind, &'static str> {
     }
 }
 
-/// The numbers of a column, so far.
+/// Numbers of a column, collected group by group.
 #[derive(Default)]
 struct Values {
     numbers: Vec<f64>,
-    /// Of the time stamps.
+    /// First time stamp.
     first: Option<i64>,
 }
 

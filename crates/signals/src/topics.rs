@@ -74,7 +74,7 @@ impl Track {
         }
     }
 
-    /// Values at `stamps`, and how many of them lie in gaps and are NaN.
+    /// Values interpolated linearly at `stamps`. In a gap the value is NaN; the number of these is returned, too.
     fn at(&self, values: &[f64], stamps: &[i64]) -> (Vec<f64>, usize) {
         let mut steps: Vec<i64> = self.stamps.windows(2).map(|w| w[1].saturating_sub(w[0])).collect();
         steps.sort_unstable();
