@@ -1,9 +1,10 @@
 //! Named arrays, which most kinds of file hold, and the recording they make: by a map, or by their own names.
 
-use crate::columns::{self, Named};
+use super::columns::{self, Named};
+use super::naming::{self, Heading, Role};
+use super::units;
 use crate::error::Place;
-use crate::naming::{self, Heading, Role};
-use crate::{Error, Map, Recording, units};
+use crate::{Error, Map, Recording};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 

@@ -7,9 +7,10 @@
 //! Written is a column of doubles per signal, named with its unit, so that reading back needs no map. MATLAB has no place for
 //! metadata and no names such as `j1/position_rad`: both are in one more variable, `tribos_about`, as JSON text.
 
-use crate::stored::Stored;
-use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Geometry, Recording, limits};
+use super::limits;
+use super::stored::Stored;
+use super::variables::{Variable, Wanted, assemble};
+use crate::{Error, Geometry, Recording};
 use miniz_oxide::inflate::TINFLStatus;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;

@@ -4,10 +4,11 @@
 //! Read are these, the two messages of ROS 2 that hold a motion, and numbers of other JSON messages. Records are read one at a time:
 //! a log with hours of video takes no more memory than its largest chunk.
 
-use crate::columns;
-use crate::topics::{self, Topics};
-use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Recording, files, json_io, limits, signatures};
+use super::columns;
+use super::topics::{self, Topics};
+use super::variables::{Variable, Wanted, assemble};
+use super::{json, limits, signatures};
+use crate::{Error, Recording, files};
 use mcap::records::{MessageHeader, Metadata};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
@@ -273,7 +274,7 @@ impl<'a> Fields<'a> {
 
 /// Numbers of a JSON value, by their paths.
 fn flatten(path: &str, value: &Value, depth: usize, out: &mut Vec<(String, f64)>) {
-    if let Some(number) = json_io::number(value).filter(|_| out.len() < MOST) {
+    if let Some(number) = json::number(value).filter(|_| out.len() < MOST) {
         out.push((path.to_owned(), number));
     }
     if let Some(members) = value.as_object().filter(|_| depth < 8) {

@@ -4,9 +4,10 @@
 //! two-dimensional dataset is one column a joint, `q[1]`, `q[2]`, …; a compound dataset is a column a field, `table.q`. The
 //! attribute `units` or `unit` of a dataset is its unit. Attributes of the root are metadata.
 
-use crate::stored::Stored;
-use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Recording, columns, limits};
+use super::stored::Stored;
+use super::variables::{Variable, Wanted, assemble};
+use super::{columns, limits};
+use crate::{Error, Recording};
 use hdf5_pure::{AttrValue, DType, Dataset, Datatype, DatatypeByteOrder, File, FileBuilder, Group};
 
 /// Groups within each other.

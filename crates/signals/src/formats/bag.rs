@@ -1,9 +1,10 @@
 //! Recordings from bags of ROS 2: a file of SQLite, or a folder with `metadata.yaml` and the files it names, of SQLite or MCAP.
 
-use crate::signatures::{self, BAG_METADATA};
-use crate::topics::{self, Topics};
-use crate::variables::Wanted;
-use crate::{Error, Recording, files, mcap_io};
+use super::mcap;
+use super::signatures::{self, BAG_METADATA};
+use super::topics::{self, Topics};
+use super::variables::Wanted;
+use crate::{Error, Recording, files};
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags};
 use std::collections::HashMap;
@@ -23,7 +24,7 @@ pub(crate) fn read_folder(file: &str, path: &Path, wanted: &Wanted) -> Result<Re
     for part in parts(path).map_err(|why| Error::File { file: file.into(), why })? {
         let name = part.display().to_string();
         let read = if begins_with(&part, signatures::MCAP) {
-            mcap_io::read_topics(&part, std::mem::take(&mut topics)).map(|read| topics = read)
+            mcap::read_topics(&part, std::mem::take(&mut topics)).map(|read| topics = read)
         } else {
             storage(&part, &mut topics)
         };

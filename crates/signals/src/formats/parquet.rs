@@ -2,9 +2,10 @@
 //!
 //! A column of time stamps is in seconds from its first. What is missing is NaN. Columns of texts and lists are not read.
 
-use crate::thrift::Walk;
-use crate::variables::{TIME_ZERO, Variable, Wanted, assemble};
-use crate::{Error, Recording, limits, signatures};
+use super::thrift::Walk;
+use super::variables::{TIME_ZERO, Variable, Wanted, assemble};
+use super::{limits, signatures};
+use crate::{Error, Recording};
 use bytes::Bytes;
 use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical, ZstdLevel};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};

@@ -3,7 +3,7 @@
 //! The samples are the file itself or a member of it with any name; the longest list is used. Numbers beside the list are constants
 //! for a map, and texts and numbers beside it are metadata. `true` is 1, `false` is 0, `null` is a missing value.
 
-use crate::variables::{Variable, Wanted, assemble};
+use super::variables::{Variable, Wanted, assemble};
 use crate::{Error, Recording};
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -3,8 +3,8 @@
 //! A heading is a name of a recording (`position_m`), a quantity with a unit of its own (`position` in `mm`), or either with a
 //! joint's label before, behind or within it: `j2_position_rad`, `position_rad[2]`, `position_j2_rad`.
 
-use crate::columns::{self, Named, Slot};
-use crate::units::{self, Unit, Unread};
+use super::columns::{self, Named, Slot};
+use super::units::{self, Unit, Unread};
 
 /// The name of a column and, where the file says it apart from the name, its unit.
 #[derive(Debug, Clone, Copy)]

@@ -4,11 +4,12 @@
 //! quantities (`time;position;force`), and the numbers become SI. Where cells are not separated by commas, a comma may be the
 //! decimal sign, in all of them.
 
+use super::columns;
+use super::naming::{self, Heading, Role};
+use super::units::{self, Unread};
+use super::variables::{NOT_USED, Wanted, one_line, units_of_map};
 use crate::error::Place;
-use crate::naming::{self, Heading, Role};
-use crate::units::{self, Unread};
-use crate::variables::{NOT_USED, Wanted, one_line, units_of_map};
-use crate::{Error, Recording, columns};
+use crate::{Error, Recording};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::BTreeMap;

@@ -4,10 +4,10 @@
 //! `/joint_states:elbow.position`, `/ft:force.z`. The clock of the recording is that of the position: other topics are interpolated
 //! linearly at its stamps, only where they overlap, and not across their own gaps.
 
-use crate::cdr::{self, JOINT_FIELDS, WRENCH_FIELDS};
-use crate::columns::{self, Named, Slot};
+use super::cdr::{self, JOINT_FIELDS, WRENCH_FIELDS};
+use super::columns::{self, Named, Slot};
+use super::variables::{TIME_ZERO, Wanted};
 use crate::error::Place;
-use crate::variables::{TIME_ZERO, Wanted};
 use crate::{Error, Geometry, Map, Recording};
 use std::borrow::Cow;
 
