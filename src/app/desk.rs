@@ -633,27 +633,26 @@ impl Desk {
     fn tell_limits(&mut self) {
         let mut line = Line::new();
         let _ = line.write_str("ok limit");
-        for (name, unit, what) in Limits::ALL {
-            let value = Text(self.limits.get(name).unwrap_or(f32::NAN));
-            let _ = write!(line, "; {name} {value} {unit}: {what}");
+        let mut limits = self.limits;
+        for limit in Limits::ALL {
+            let value = Text(*(limit.of)(&mut limits));
+            let _ = write!(line, "; {} {value} {}: {}", limit.name, limit.unit, limit.what);
         }
         let _ = write!(line, "; motor at {:.0} % of its heat", Text(100.0 * self.monitor.heat()));
         self.say(&line);
     }
 
     fn limit(&mut self, name: &str, value: f32) {
-        let Some(limits) = self.limits.with(name, value) else {
-            let [a, b, c] = Limits::ALL.map(|(name, ..)| name);
+        let Some(limit) = Limits::ALL.iter().find(|limit| limit.name == name) else {
+            let [a, b, c] = Limits::ALL.map(|limit| limit.name);
             return self.err("UNKNOWN_PARAMETER", format_args!("`{name}`: expected one of {a}, {b}, {c}"));
         };
+        let mut limits = self.limits;
+        *(limit.of)(&mut limits) = value;
         match limits.validate(&self.device) {
             Ok(()) => {
                 self.limits = limits;
-                let unit = Limits::ALL
-                    .into_iter()
-                    .find(|(known, ..)| *known == name)
-                    .map_or("", |(_, unit, _)| unit);
-                self.ok(format_args!("limit {name} {} {unit}", Text(value)));
+                self.ok(format_args!("limit {name} {} {}", Text(value), limit.unit));
             }
             Err(refused) => self.err("REFUSED", refused),
         }

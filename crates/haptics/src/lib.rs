@@ -47,7 +47,7 @@ pub use filter::{Biquad, BiquadState};
 pub use homing::{Homed, Homing};
 pub use io::{Inputs, Outputs};
 pub use machine::{Fault, Mode, ModeId, Request};
-pub use monitor::{Limits, Monitor};
+pub use monitor::{Limit, Limits, Monitor};
 pub use probe::Probe;
 pub use settings::{LawKind, Parameter, RendererKind, SetError, Settings, Value};
 pub use step::{State, step};
