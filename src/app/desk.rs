@@ -1,6 +1,7 @@
 //! The application in the tasks: reads bytes, executes commands, sends answers, messages and frames.
 
 mod presets;
+mod storing;
 
 use super::answer::{self, Line, Named, Pending};
 use super::calibrate::{self, Calibration, describe};
@@ -20,6 +21,7 @@ use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector,
     PresetStore, Sensor, Watch,
 };
+use storing::{Keeping, Saving, outcome};
 
 /// Preset after a start without a default.
 const FIRST: &str = "brass";
@@ -40,7 +42,7 @@ pub struct Desk {
     /// Whether the settings differ from the preset.
     changed: bool,
     presets: PresetStore,
-    saving: Option<presets::Saving>,
+    saving: Option<Saving>,
     /// A calibration that is in use and being stored.
     keeping: Option<Keeping>,
     /// Reason why presets are not persistent on this device.
@@ -76,13 +78,6 @@ pub struct Desk {
     promised_ms: u32,
     /// Whether the self-test needs its push.
     push: bool,
-}
-
-/// A calibration that is being stored.
-struct Keeping {
-    answer: Line,
-    /// Time at which the board got it, ms.
-    since: Option<u32>,
 }
 
 impl Desk {
@@ -447,11 +442,7 @@ impl Desk {
             board.store(CALIBRATION_KEY, &calibrate::encode(&self.device));
             return;
         };
-        let outcome = match board.stored() {
-            Some(outcome) => outcome,
-            None if board.now_ms().wrapping_sub(since) > presets::PATIENCE_MS => Err(NotStored::Refused),
-            None => return,
-        };
+        let Some(outcome) = outcome(since, board) else { return };
         let Some(Keeping { answer, .. }) = self.keeping.take() else { return };
         match outcome {
             Ok(()) => self.ok(format_args!("{answer}; {}", board.lasting())),
