@@ -3,8 +3,9 @@
 mod presets;
 mod storing;
 
-use super::answer::{self, Line, Named, Pending};
+use super::answer::{self, Named, Pending};
 use super::calibrate::{self, Calibration, describe};
+use super::line::{self, Line};
 use super::listing::Listing;
 use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
@@ -189,7 +190,7 @@ impl Desk {
 
     /// Advances all work. Call it every few milliseconds.
     pub fn poll(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
-        while self.output.fits_line(answer::LINE) {
+        while self.output.fits_line(line::LINE) {
             if let Some(handled) = ends.answers.dequeue() {
                 self.handled(&handled);
             } else if let Some(fault) = ends.faults.dequeue() {
@@ -264,7 +265,7 @@ impl Desk {
 
     fn err(&mut self, code: &str, why: impl core::fmt::Display) {
         let mut line = Line::new();
-        answer::err(code, why, &mut line);
+        line::err(code, why, &mut line);
         self.say(&line);
     }
 
@@ -356,7 +357,7 @@ impl Desk {
                 // a search tells its own end
                 && matches!(last.outputs.mode, ModeId::Exciting | ModeId::Identifying)
                 && telemetry.outputs.mode == ModeId::Idle
-                && self.output.fits_line(answer::LINE)
+                && self.output.fits_line(line::LINE)
             {
                 let mut line = Line::new();
                 let _ = write!(line, "! the motion has ended");

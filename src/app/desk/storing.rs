@@ -1,6 +1,6 @@
 //! Items that the board is storing, with the answers that wait for them.
 
-use crate::app::answer::Line;
+use crate::app::line::Line;
 use crate::board::Board;
 use crate::presets::NotStored;
 use link::{Change, Name};
