@@ -35,8 +35,8 @@ pub use filter::{
 pub use formats::{Map, ReadOptions, WRITTEN, check_suffix, is_bag};
 pub use noise::{Calibration, Source, Sources, calibrate_accelerometer, noise_std, noise_variance, quantum};
 pub use prepare::{
-    ChannelReport, Channels, Column, Cutoff, Estimated, Noise, Preparation, Prepared, Settings, Wave,
-    WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated, prepare,
+    ChannelReport, Channels, Column, Cutoff, Cutoffs, Estimated, Noise, Preparation, Prepared, Settings,
+    Wave, WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated, prepare,
 };
 pub use recording::{Geometry, Recording};
 pub use smoother::{Measured, Motion, Observation, Observed, Smoothed, direction, estimate_motion, smooth};
