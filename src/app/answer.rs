@@ -2,17 +2,13 @@
 
 use super::Telemetry;
 use super::calibrate::{Fits, describe};
+use super::line::{Line, err};
 use core::fmt::{self, Write};
 use friction::Unit;
 use haptics::number::Text;
 use haptics::{Denied, Device, Excitation, FaultKind, Homed, Identified, ModeId, Settings, Warning};
 use heapless::String;
 use link::{Name, Sensor};
-
-/// Longest line of an answer, bytes.
-pub(super) const LINE: usize = 480;
-/// A line being written. Truncated at its capacity.
-pub(super) type Line = String<LINE>;
 
 /// Pending change and answer of a request to the control loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,16 +144,6 @@ fn unit(name: &str) -> Option<Unit> {
         return kind.gains().iter().chain(kind.shape()).find(|p| p.name == parameter).map(|p| p.unit(Linear));
     }
     PARAMETERS.iter().chain(ALIASES).find(|p| p.name == name)?.unit()
-}
-
-/// `err CODE: why`
-pub(super) fn err(code: &str, why: impl fmt::Display, out: &mut Line) {
-    // a long line is truncated; nothing else can fail
-    let _ = out.write_str("err ");
-    for c in code.chars() {
-        let _ = out.push(c.to_ascii_uppercase());
-    }
-    let _ = write!(out, ": {why}");
 }
 
 /// A request that was denied.

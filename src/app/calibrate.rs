@@ -4,7 +4,7 @@
 //! code = offset + VALUE / gain, by least squares, and refuses an implausible one.
 
 use super::Telemetry;
-use super::answer::{Line, err};
+use super::line::{Line, err};
 use core::fmt::{self, Write};
 use haptics::number::Text;
 use haptics::{Channel, Device, Inputs};

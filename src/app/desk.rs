@@ -1,9 +1,11 @@
 //! The application in the tasks: reads bytes, executes commands, sends answers, messages and frames.
 
 mod presets;
+mod storing;
 
-use super::answer::{self, Line, Named, Pending};
+use super::answer::{self, Named, Pending};
 use super::calibrate::{self, Calibration, describe};
+use super::line::{self, Line};
 use super::listing::Listing;
 use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
@@ -20,6 +22,7 @@ use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector,
     PresetStore, Sensor, Watch,
 };
+use storing::{Keeping, Saving, outcome};
 
 /// Preset after a start without a default.
 const FIRST: &str = "brass";
@@ -40,7 +43,7 @@ pub struct Desk {
     /// Whether the settings differ from the preset.
     changed: bool,
     presets: PresetStore,
-    saving: Option<presets::Saving>,
+    saving: Option<Saving>,
     /// A calibration that is in use and being stored.
     keeping: Option<Keeping>,
     /// Reason why presets are not persistent on this device.
@@ -76,13 +79,6 @@ pub struct Desk {
     promised_ms: u32,
     /// Whether the self-test needs its push.
     push: bool,
-}
-
-/// A calibration that is being stored.
-struct Keeping {
-    answer: Line,
-    /// Time at which the board got it, ms.
-    since: Option<u32>,
 }
 
 impl Desk {
@@ -194,7 +190,7 @@ impl Desk {
 
     /// Advances all work. Call it every few milliseconds.
     pub fn poll(&mut self, ends: &mut DeskEnds<'_>, board: &mut impl Board) {
-        while self.output.fits_line(answer::LINE) {
+        while self.output.fits_line(line::LINE) {
             if let Some(handled) = ends.answers.dequeue() {
                 self.handled(&handled);
             } else if let Some(fault) = ends.faults.dequeue() {
@@ -269,7 +265,7 @@ impl Desk {
 
     fn err(&mut self, code: &str, why: impl core::fmt::Display) {
         let mut line = Line::new();
-        answer::err(code, why, &mut line);
+        line::err(code, why, &mut line);
         self.say(&line);
     }
 
@@ -361,7 +357,7 @@ impl Desk {
                 // a search tells its own end
                 && matches!(last.outputs.mode, ModeId::Exciting | ModeId::Identifying)
                 && telemetry.outputs.mode == ModeId::Idle
-                && self.output.fits_line(answer::LINE)
+                && self.output.fits_line(line::LINE)
             {
                 let mut line = Line::new();
                 let _ = write!(line, "! the motion has ended");
@@ -447,11 +443,7 @@ impl Desk {
             board.store(CALIBRATION_KEY, &calibrate::encode(&self.device));
             return;
         };
-        let outcome = match board.stored() {
-            Some(outcome) => outcome,
-            None if board.now_ms().wrapping_sub(since) > presets::PATIENCE_MS => Err(NotStored::Refused),
-            None => return,
-        };
+        let Some(outcome) = outcome(since, board) else { return };
         let Some(Keeping { answer, .. }) = self.keeping.take() else { return };
         match outcome {
             Ok(()) => self.ok(format_args!("{answer}; {}", board.lasting())),
@@ -633,27 +625,26 @@ impl Desk {
     fn tell_limits(&mut self) {
         let mut line = Line::new();
         let _ = line.write_str("ok limit");
-        for (name, unit, what) in Limits::ALL {
-            let value = Text(self.limits.get(name).unwrap_or(f32::NAN));
-            let _ = write!(line, "; {name} {value} {unit}: {what}");
+        let mut limits = self.limits;
+        for limit in Limits::ALL {
+            let value = Text(*(limit.of)(&mut limits));
+            let _ = write!(line, "; {} {value} {}: {}", limit.name, limit.unit, limit.what);
         }
         let _ = write!(line, "; motor at {:.0} % of its heat", Text(100.0 * self.monitor.heat()));
         self.say(&line);
     }
 
     fn limit(&mut self, name: &str, value: f32) {
-        let Some(limits) = self.limits.with(name, value) else {
-            let [a, b, c] = Limits::ALL.map(|(name, ..)| name);
+        let Some(limit) = Limits::ALL.iter().find(|limit| limit.name == name) else {
+            let [a, b, c] = Limits::ALL.map(|limit| limit.name);
             return self.err("UNKNOWN_PARAMETER", format_args!("`{name}`: expected one of {a}, {b}, {c}"));
         };
+        let mut limits = self.limits;
+        *(limit.of)(&mut limits) = value;
         match limits.validate(&self.device) {
             Ok(()) => {
                 self.limits = limits;
-                let unit = Limits::ALL
-                    .into_iter()
-                    .find(|(known, ..)| *known == name)
-                    .map_or("", |(_, unit, _)| unit);
-                self.ok(format_args!("limit {name} {} {unit}", Text(value)));
+                self.ok(format_args!("limit {name} {} {}", Text(value), limit.unit));
             }
             Err(refused) => self.err("REFUSED", refused),
         }

@@ -5,6 +5,7 @@ mod calibrate;
 mod contact;
 mod control_loop;
 mod desk;
+mod line;
 mod listing;
 mod off;
 mod output;

@@ -62,8 +62,12 @@ mod last_words;
 mod listener;
 mod pins;
 mod setup;
+mod stop;
+mod timing;
 
 pub use setup::ResetCause;
+pub use stop::{make_safe, restart};
+pub use timing::{LOOP_HZ, TICK_HZ};
 
 use super::Board;
 use crate::app::{Contact, ControlEnds, ControlLoop, Earlier, Lamp};
@@ -82,13 +86,9 @@ use embassy_stm32::{bind_interrupts, interrupt, pac, triggers};
 use haptics::{Device, FaultKind, Inputs};
 use pins::{AmplifierFault, EmergencyStop};
 use static_cell::StaticCell;
+use stop::DAC_ZERO;
+use timing::{LATCH_COUNTS, PERIOD_TICKS};
 
-/// Rate of core, timers and time stamps, Hz.
-pub const TICK_HZ: u32 = 170_000_000;
-/// Rate of the control loop after a start, Hz.
-pub const LOOP_HZ: u32 = haptics::RATES[0];
-/// From the start of conversion to the change of the force, ns. The conversions take 21.5 µs.
-const LATCH_NS: u32 = 40_600;
 /// Time without a healthy loop after which the chip resets, µs.
 pub const WATCHDOG_US: u32 = 50_000;
 /// Baud rate of the serial line.
@@ -103,13 +103,6 @@ pub const NEWTON_PER_CODE: f32 = 11.0 / 2048.0;
 const ELECTRICAL_FORCE: f32 = 11.0 * (1.65 - 0.2) / 1.65;
 /// Time from the encoder reading, after the conversions, to the change of the force, s.
 const DELAY_S: f32 = 20e-6;
-/// Code of no force.
-const DAC_ZERO: u16 = 2048;
-/// TIM6 and TIM7 count at a quarter of the clock, so that one period fits 16 bits.
-const PACE_DIVIDER: u32 = 4;
-const LATCH_COUNTS: u32 = TICK_HZ / PACE_DIVIDER / 1_000 * (LATCH_NS / 100) / 10_000;
-/// Ticks of a control period after a start.
-const PERIOD_TICKS: u32 = TICK_HZ / LOOP_HZ;
 /// Longest time from the stamp of a sample to the reading of its edge, ticks: 6 µs.
 const SAMPLING_TICKS: u32 = 1_000;
 
@@ -313,13 +306,6 @@ fn encoder() -> (u32, u32, u32) {
     // an edge since the stamp is at the sample: none is in the future
     let sample = if edge.wrapping_sub(stamp) < SAMPLING_TICKS { edge } else { stamp };
     (sample, count, edge)
-}
-
-/// Drops the amplifier enable and sets the force to zero. For any context: panic, hard fault, before a reset.
-pub fn make_safe() {
-    enable::drop_now();
-    pac::DAC1.cr().modify(|w| w.set_ten(0, false));
-    pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
 }
 
 /// The board before its loop runs.
@@ -528,12 +514,4 @@ unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
 #[cortex_m_rt::exception]
 unsafe fn DefaultHandler(_: i16) {
     restart(FaultKind::Crash)
-}
-
-/// Switches the force off and resets. The next start reports the reason.
-pub fn restart(why: FaultKind) -> ! {
-    make_safe();
-    last_words::keep(why);
-    black_box::keep(why);
-    cortex_m::peripheral::SCB::sys_reset()
 }

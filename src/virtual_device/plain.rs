@@ -1,6 +1,6 @@
 //! Console without a terminal: each input line is a command, each output line an answer.
 
-use super::Running;
+use super::running::Running;
 use haptics::ModeId;
 use std::io::{BufRead, Write};
 use std::sync::mpsc::{RecvTimeoutError, channel};

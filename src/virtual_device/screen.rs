@@ -1,6 +1,6 @@
 //! Console at a terminal: scrolling answers, one live line, and the command line.
 
-use super::Running;
+use super::running::Running;
 use crossterm::cursor::{MoveToColumn, MoveUp};
 use crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
 use crossterm::style::{Print, Stylize};

@@ -59,10 +59,6 @@ fn shaking() -> Board {
     board
 }
 
-fn wire(wiring: Wiring) -> impl Fn(&mut Board) {
-    move |board| board.machine.rewire(wiring)
-}
-
 /// Runs until something is true, at most `ms`.
 fn until(board: &mut Board, ms: f64, mut is: impl FnMut(&Board) -> bool) {
     let end = board.machine.milliseconds() + ms;
@@ -265,7 +261,7 @@ const CASES: &[Case] = &[
         fault: "force_contradicted",
         how: "load cell floats at mid-scale, 5 N held",
         start: holding::<5>,
-        inject: |board| wire(Wiring { load: Wire::Floating, ..Wiring::default() })(board),
+        inject: |board| board.machine.rewire(Wiring { load: Wire::Floating, ..Wiring::default() }),
         within: 30.0,
         repair: |board| board.machine.rewire(Wiring::default()),
     },
@@ -281,7 +277,7 @@ const CASES: &[Case] = &[
         fault: "force_contradicted",
         how: "amplifier loses its supply, 5 N held",
         start: holding::<5>,
-        inject: |board| wire(Wiring { amplifier: Wire::Dead, ..Wiring::default() })(board),
+        inject: |board| board.machine.rewire(Wiring { amplifier: Wire::Dead, ..Wiring::default() }),
         within: 30.0,
         repair: |board| board.machine.rewire(Wiring::default()),
     },
@@ -289,7 +285,7 @@ const CASES: &[Case] = &[
         fault: "sensor_dead",
         how: "accelerometer floats while driven",
         start: shaking,
-        inject: |board| wire(Wiring { accel: Wire::Floating, ..Wiring::default() })(board),
+        inject: |board| board.machine.rewire(Wiring { accel: Wire::Floating, ..Wiring::default() }),
         within: 1_000.0,
         repair: |board| board.machine.rewire(Wiring::default()),
     },
@@ -297,7 +293,7 @@ const CASES: &[Case] = &[
         fault: "sensor_dead",
         how: "load cell: always the same code",
         start: rendering,
-        inject: |board| wire(Wiring { load: Wire::Dead, ..Wiring::default() })(board),
+        inject: |board| board.machine.rewire(Wiring { load: Wire::Dead, ..Wiring::default() }),
         within: 505.0,
         repair: |board| board.machine.rewire(Wiring::default()),
     },

@@ -1,5 +1,5 @@
-//! One preparation: an identification and a diagnosis of a file name the same faults, lag, scale, noise and quantum, before
-//! either has fitted anything.
+//! One preparation: an identification and a diagnosis of a file name the same faults, lag, scale, noise, quantum and cut-offs,
+//! before either has fitted anything.
 
 #[macro_use]
 extern crate untested; // `println!` is shown only when a test fails, or with --nocapture
@@ -55,10 +55,14 @@ fn agree(recording: &Recording) -> bool {
     let diagnosed = diagnose(std::slice::from_ref(recording), &[], &options, &|_, _| ()).unwrap();
     let [of_diagnosis] = &diagnosed.preparation[..] else { panic!("{}: one preparation", recording.name) };
     let Ok(signals) = identify::prepare(recording, &Preprocess::default()) else { return false };
-    // a fit and a search cut at their own frequency
+    // both name both cut-offs; each uses its own
+    let of_fit = signals.preparation();
+    let cutoffs = of_fit.cutoffs_hz.expect("a stretch");
+    assert_eq!(of_fit.cutoff_hz, Some(cutoffs.fit), "{}", recording.name);
     let cutoff_hz = of_diagnosis.cutoff_hz;
-    let of_fit = Preparation { cutoff_hz, ..signals.preparation().clone() };
-    assert_eq!(&of_fit, of_diagnosis, "{}", recording.name);
+    // a search raises it where it would leave too few rows
+    assert!(cutoff_hz >= Some(cutoffs.search), "{}", recording.name);
+    assert_eq!(Preparation { cutoff_hz, ..of_fit.clone() }, *of_diagnosis, "{}", recording.name);
     for fault in &of_diagnosis.faults {
         assert!(diagnosed.recording_faults.contains(fault), "{}: {fault:?}", recording.name);
     }

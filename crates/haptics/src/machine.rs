@@ -33,10 +33,10 @@
 //! Force is on only in RENDERING, EXCITING and HOMING. The step that finds a fault gives force 0 with the amplifier off. The first
 //! fault is kept with its time and motion; later faults do not overwrite it.
 
-use crate::excitation::{Drive, Excitation};
+use crate::drive::Drive;
 use crate::renderer::Contact;
 use crate::streaming_identify::Procedure;
-use crate::{FaultKind, Homing, Probe};
+use crate::{Excitation, FaultKind, Homing, ModeId, Probe};
 
 /// A request to the loop, handled between two steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,62 +112,6 @@ pub struct Fault {
     pub velocity: f32,
     /// Force commanded in the previous step, N.
     pub force: f32,
-}
-
-/// [`Mode`] without its data, for the wire.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u8)]
-pub enum ModeId {
-    /// Force off.
-    #[default]
-    Idle = 0,
-    /// Virtual contact on the handle.
-    Rendering = 1,
-    /// Handle driven.
-    Exciting = 2,
-    /// Handle driven and the normal equations accumulated.
-    Identifying = 3,
-    /// Fault latched.
-    Fault = 4,
-    /// Handle driven to the stops.
-    Homing = 5,
-}
-
-impl ModeId {
-    /// Whether the device moves the handle by itself.
-    #[must_use]
-    pub const fn is_driven(self) -> bool {
-        matches!(self, Self::Exciting | Self::Identifying | Self::Homing)
-    }
-
-    /// All, in order of their codes.
-    pub const ALL: &'static [Self] =
-        &[Self::Idle, Self::Rendering, Self::Exciting, Self::Identifying, Self::Fault, Self::Homing];
-
-    /// Code on the wire.
-    #[must_use]
-    pub const fn code(self) -> u8 {
-        self as u8
-    }
-
-    /// The one with this code.
-    #[must_use]
-    pub fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.iter().copied().find(|mode| mode.code() == code)
-    }
-
-    /// Name, one word.
-    #[must_use]
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Rendering => "rendering",
-            Self::Exciting => "exciting",
-            Self::Identifying => "identifying",
-            Self::Fault => "fault",
-            Self::Homing => "homing",
-        }
-    }
 }
 
 impl Mode {

@@ -62,36 +62,41 @@ pub struct Limits {
     pub heating_s: f32,
 }
 
+/// One of the [`Limits`], as people set it.
+#[derive(Debug, Clone, Copy)]
+pub struct Limit {
+    /// Name as typed.
+    pub name: &'static str,
+    /// Unit of the value.
+    pub unit: &'static str,
+    /// Meaning in a few words.
+    pub what: &'static str,
+    /// Place of the value.
+    pub of: fn(&mut Limits) -> &mut f32,
+}
+
 impl Limits {
-    /// Name, unit and meaning of each, as a user types it.
-    pub const ALL: [(&'static str, &'static str, &'static str); 3] = [
-        ("unexplained_force", "N", "largest force that load cell and motion leave unexplained"),
-        ("continuous_force", "N", "force that the motor holds for ever"),
-        ("heating", "s", "thermal time constant of the motor"),
+    /// Every limit.
+    pub const ALL: &'static [Limit; 3] = &[
+        Limit {
+            name: "unexplained_force",
+            unit: "N",
+            what: "largest force that load cell and motion leave unexplained",
+            of: |limits| &mut limits.unexplained_force,
+        },
+        Limit {
+            name: "continuous_force",
+            unit: "N",
+            what: "force that the motor holds for ever",
+            of: |limits| &mut limits.continuous_force,
+        },
+        Limit {
+            name: "heating",
+            unit: "s",
+            what: "thermal time constant of the motor",
+            of: |limits| &mut limits.heating_s,
+        },
     ];
-
-    /// Value by name.
-    #[must_use]
-    pub fn get(&self, name: &str) -> Option<f32> {
-        match name {
-            "unexplained_force" => Some(self.unexplained_force),
-            "continuous_force" => Some(self.continuous_force),
-            "heating" => Some(self.heating_s),
-            _ => None,
-        }
-    }
-
-    /// The limits with one changed. `None` for an unknown name.
-    #[must_use]
-    pub fn with(mut self, name: &str, value: f32) -> Option<Self> {
-        *match name {
-            "unexplained_force" => &mut self.unexplained_force,
-            "continuous_force" => &mut self.continuous_force,
-            "heating" => &mut self.heating_s,
-            _ => return None,
-        } = value;
-        Some(self)
-    }
 
     /// Checks each against the actuator.
     ///
@@ -101,21 +106,18 @@ impl Limits {
         let most = device.force_max;
         // against the rounding of a product
         let at_least = |x: f32| number::four_digits(x * (1.0 - 1e-6), true);
-        let checks = [
-            (
-                self.unexplained_force,
-                at_least(0.1 * most),
-                most,
-                "N; above the friction of the device, below the actuator's force",
-            ),
-            (self.continuous_force, at_least(0.05 * most), most, "N; up to the actuator's force"),
-            (self.heating_s, 1.0, 3_600.0, "s"),
+        let ranges = [
+            (at_least(0.1 * most), most, "N; above the friction of the device, below the actuator's force"),
+            (at_least(0.05 * most), most, "N; up to the actuator's force"),
+            (1.0, 3_600.0, "s"),
         ];
-        for ((parameter, _, _), (value, low, high, why)) in Self::ALL.into_iter().zip(checks) {
+        let mut limits = *self;
+        for (limit, (low, high, why)) in Self::ALL.iter().zip(ranges) {
+            let value = *(limit.of)(&mut limits);
             if !(value >= low && value <= high) {
                 return Err(Refused {
                     effect: None,
-                    parameter,
+                    parameter: limit.name,
                     value,
                     accepted: Accepted::Between(low, high),
                     why,

@@ -55,12 +55,12 @@ pub enum Command<'a> {
     Rate(Option<u32>),
 }
 
-/// Longest silence of the host.
+/// Limit on the silence of the host.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Watch {
-    /// While it drives the handle, s. 0 is no limit.
+    /// Longest time without a byte from the host while the device drives the handle, s. 0 sets no limit.
     pub seconds: f32,
-    /// Whether that holds for rendering, too.
+    /// Whether the limit applies while rendering, too.
     pub rendering: bool,
 }
 

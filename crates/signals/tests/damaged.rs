@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 #[global_allocator]
 static ALLOCATED: PeakAlloc = PeakAlloc;
 
-/// Bytes that may be taken for each byte of the file.
+/// Memory bound of a large file, bytes per byte of the file.
 const MOST: usize = 20;
 
-/// Bytes that may be taken for a file of any size: the largest page or chunk whose size is believed, and as much again.
+/// Memory bound of a small file, bytes: twice the largest page or chunk whose stated size is accepted.
 const LEAST: usize = 4 << 20;
 
 /// Damaged versions of each file.
@@ -37,7 +37,7 @@ const FILES: [(&str, Option<&str>, Option<&str>); 13] = [
     ("ours.mcap", None, None),
 ];
 
-/// Bytes that reading took beside what there was.
+/// Peak of the memory that reading allocates, bytes, and whether the file was read.
 fn taken(path: &Path, options: &ReadOptions) -> (usize, bool) {
     let before = ALLOCATED.current_usage();
     ALLOCATED.reset_peak_usage();

@@ -1,32 +1,12 @@
 //! Preset commands and the storage of their items.
 
+use super::storing::{Done, Saving, outcome};
 use super::{Desk, Line, Listing, Named};
 use crate::app::{DeskEnds, calibrate};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
 use link::{CALIBRATION_KEY, Change, MAX_ITEM, Name, PresetCommand, PresetError};
-
-/// Longest time for the board to store an item, ms. It erases at most two pages.
-pub(super) const PATIENCE_MS: u32 = 2_000;
-
-/// An item that is being stored, with its pending answer.
-pub(super) struct Saving {
-    change: Change,
-    name: Name,
-    done: Done,
-    since: u32,
-}
-
-/// Answer once the item is stored.
-#[derive(Clone, Copy)]
-enum Done {
-    Saved,
-    Deleted,
-    Default,
-    /// No answer.
-    Repaired,
-}
 
 impl Desk {
     /// Loads an item stored before the restart. The newest item of a key comes last.
@@ -106,11 +86,7 @@ impl Desk {
     /// Handles the result of the last store.
     pub(super) fn poll_saving(&mut self, board: &mut impl Board) {
         let Some(saving) = &mut self.saving else { return };
-        let outcome = match board.stored() {
-            Some(outcome) => outcome,
-            None if board.now_ms().wrapping_sub(saving.since) > PATIENCE_MS => Err(NotStored::Refused),
-            None => return,
-        };
+        let Some(outcome) = outcome(saving.since, board) else { return };
         let (name, done) = (saving.name.clone(), saving.done);
         if matches!(done, Done::Repaired) {
             self.saving = None;

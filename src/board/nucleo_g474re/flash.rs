@@ -9,6 +9,7 @@
 //! * A torn double word has a wrong error-correcting code, and reading it raises the NMI. The handler here records it for
 //!   [`Medium::is_torn`]. Elsewhere in the flash it means a corrupt program: reset.
 
+use super::stop::restart;
 use crate::presets::{Medium, NotStored, Refused};
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embassy_futures::yield_now;
@@ -17,6 +18,7 @@ use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::signal::Signal;
 use embassy_time::Timer;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use haptics::FaultKind;
 use link::MAX_ITEM;
 
 /// Address of the presets. memory.x ends the code before bank 2.
@@ -249,13 +251,13 @@ impl Medium for Pages {
 #[cortex_m_rt::exception]
 unsafe fn NonMaskableInt() {
     if pac::RCC.cifr().read().cssf() {
-        super::restart(haptics::FaultKind::Clock);
+        restart(FaultKind::Clock);
     }
     let error = pac::FLASH.eccr().read();
     if error.eccd() {
         let pages = (BASE - BANK_2)..(BASE - BANK_2 + PAGE * PAGES);
         if !error.bk_ecc() || error.sysf_ecc() || !pages.contains(&error.addr_ecc()) {
-            super::restart(haptics::FaultKind::Crash);
+            restart(FaultKind::Crash);
         }
         pac::FLASH.eccr().modify(|w| w.set_eccd(true)); // written 1: cleared
         TORN.store(true, Relaxed);

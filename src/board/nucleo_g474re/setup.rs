@@ -1,7 +1,8 @@
 //! Setup of clocks, encoder with time stamps, force output and pace; reason of the start.
 
 use super::last_words;
-use super::{DAC_ZERO, LATCH_COUNTS, PACE_DIVIDER, PERIOD_TICKS, TICK_HZ};
+use super::stop::DAC_ZERO;
+use super::timing::{LATCH_COUNTS, PACE_DIVIDER, PERIOD_TICKS, TICK_HZ};
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::Priority;
 use embassy_stm32::peripherals::{self, PA0, PA1, TIM2, TIM5, TIM6, TIM7};

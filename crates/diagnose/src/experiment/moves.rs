@@ -3,7 +3,7 @@
 use crate::findings::free_run::Plant;
 use friction::Motion;
 use friction::effects::MAX_MEMORY;
-use haptics::wave::Generator;
+use haptics::generator::Generator;
 use haptics::{Excitation, Wave};
 use serde::Serialize;
 use std::f64::consts::TAU;

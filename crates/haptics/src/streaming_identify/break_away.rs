@@ -7,9 +7,9 @@
 //! beforehand decides: static friction exceeds sliding by some half of it, rarely by twice that.
 
 use super::fit::Fit;
+use super::identified::Estimate;
 use super::moments::Departures;
 use super::recorder::{BANDS, MOVING};
-use super::solve::Estimate;
 use core::f32::consts::{SQRT_2, TAU};
 use friction::Scalar;
 

@@ -3,8 +3,8 @@
 //! Within a direction the Coulomb level is an intercept, so centred moments leave m, b₊ and b₋; each b meets only m, so
 //! eliminating them leaves one equation for m.
 
+use super::identified::{Estimate, Unidentified};
 use super::moments::Centred;
-use super::solve::{Estimate, Unidentified};
 use friction::Scalar;
 
 /// Least correlation of accelerometer and differentiated velocity.

@@ -19,9 +19,11 @@
 
 mod break_away;
 mod fit;
+mod identified;
 mod moments;
 mod recorder;
 mod solve;
 
+pub use identified::{Estimate, Identified, Unidentified};
 pub use recorder::{BANDS, NUMBERS, Number, Procedure, Recorder};
-pub use solve::{Estimate, Identified, Solver, Unidentified};
+pub use solve::Solver;

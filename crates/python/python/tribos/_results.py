@@ -95,6 +95,14 @@ class EncoderWave:
 
 
 @dataclass(frozen=True)
+class Cutoffs:
+    """Cut-offs that a recording asks for, Hz: a search and a fit need different ones."""
+
+    search: float
+    fit: float
+
+
+@dataclass(frozen=True)
 class Preparation:
     """What was done to a recording before anything was fitted."""
 
@@ -104,9 +112,11 @@ class Preparation:
     stretches: int
     sample_period_s: Optional[float]
     filter: str
+    #: Cut-off of the filter that was used, Hz.
     cutoff_hz: Optional[float]
     channels: Dict[str, Channel]
     faults: List[Fault]
+    cutoffs_hz: Optional[Cutoffs] = None
     encoder_wave: Optional[EncoderWave] = None
 
 

@@ -1,7 +1,7 @@
 //! Channels that should be derivatives of each other.
 
 use super::fault::{FaultKind, RecordingFault};
-use crate::calibrate::filter_variance_gain;
+use crate::noise::filter_variance_gain;
 use crate::noise::noise_variance;
 use crate::stretches::{Stretch, rms_frequency};
 use crate::{Filter, Geometry, Recording, four_point_difference, zero_phase};
@@ -73,7 +73,7 @@ pub(super) fn check(recording: &Recording, stretch: &Stretch, out: &mut Vec<Reco
     let pick = |linear, rotary| if recording.geometry == Geometry::Rotary { rotary } else { linear };
     let mut factors: [Option<Fit>; 2] = [None, None];
     let noise = noise_variance(&position)
-        * crate::gains::white_gain(|f| filter.gain(f).powi(2) * crate::gains::four_point_gain(f, dt));
+        * crate::filter::white_gain(|f| filter.gain(f).powi(2) * crate::filter::four_point_gain(f, dt));
     if let Some(column) = &recording.velocity {
         let given = low(&stretch.grid(column));
         factors[0] = fit(&given[inner.clone()], &v[inner.clone()], &a[inner.clone()], noise, independent);

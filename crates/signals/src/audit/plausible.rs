@@ -34,8 +34,8 @@ pub(super) fn unit_of(factor: f64) -> Option<&'static str> {
     UNITS.iter().find(|(unit, _)| (factor / unit - 1.0).abs() < 0.03).map(|(_, what)| *what)
 }
 
-/// A mass below zero is no mass: what was recorded as the force is not what accelerates this body. `mass` and its standard
-/// error, kg or kg·m², come from a fit.
+/// Reports a fitted mass below zero: the recorded force does not accelerate this body. `mass` and its standard error are in kg or
+/// kg·m².
 #[must_use]
 pub fn implausible_mass(mass: f64, std: f64, geometry: Geometry) -> Option<RecordingFault> {
     if !(mass < 0.0) {

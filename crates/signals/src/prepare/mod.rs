@@ -14,7 +14,7 @@ mod wave;
 pub use agreement::Column;
 pub use channels::Channels;
 pub use cutoff::{Noise, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated};
-pub use report::{ChannelReport, Estimated, Preparation, WaveReport};
+pub use report::{ChannelReport, Cutoffs, Estimated, Preparation, WaveReport};
 pub use wave::Wave;
 
 use crate::stretches::{Stretch, cut, split, used};
@@ -142,14 +142,17 @@ pub fn prepare(recording: &Recording, settings: &Settings) -> Result<Prepared, E
     }
     .report();
     if let Some(slowest) = prepared.channels.iter().map(|c| c.dt).reduce(f64::max) {
-        prepared.report.cutoff_hz = match settings.cutoff {
-            Cutoff::Given(cutoff) => {
-                crate::Filter::butterworth(4, cutoff, slowest)?;
-                Some(cutoff)
-            }
-            Cutoff::OfSearch => Some(choose_cutoff(&prepared.channels)),
-            Cutoff::OfFit => choose_cutoff_of_fit(&prepared.channels),
-        };
+        if let Cutoff::Given(cutoff) = settings.cutoff {
+            crate::Filter::butterworth(4, cutoff, slowest)?;
+        }
+        let cutoffs = choose_cutoff_of_fit(&prepared.channels)
+            .map(|fit| Cutoffs { search: choose_cutoff(&prepared.channels), fit });
+        prepared.report.cutoffs_hz = cutoffs;
+        prepared.report.cutoff_hz = cutoffs.map(|chosen| match settings.cutoff {
+            Cutoff::Given(cutoff) => cutoff,
+            Cutoff::OfSearch => chosen.search,
+            Cutoff::OfFit => chosen.fit,
+        });
     }
     Ok(prepared)
 }

@@ -46,6 +46,15 @@ pub struct ChannelReport {
     pub zero: Option<Estimated>,
 }
 
+/// Cut-offs that a recording asks for, Hz. A search for what is missing and the fit of one law need different ones.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Cutoffs {
+    /// By [`crate::choose_cutoff`].
+    pub search: f64,
+    /// By [`crate::choose_cutoff_of_fit`].
+    pub fit: f64,
+}
+
 /// A wave on the encoder's reading, taken off.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WaveReport {
@@ -70,8 +79,11 @@ pub struct Preparation {
     pub sample_period_s: Option<f64>,
     /// The filter, in words.
     pub filter: String,
-    /// Its cut-off, Hz; None where no stretch is left.
+    /// Its cut-off as it was used, Hz; None where no stretch is left.
     pub cutoff_hz: Option<f64>,
+    /// Cut-offs chosen for this recording, whichever was used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cutoffs_hz: Option<Cutoffs>,
     /// Channels by name: `position`, `velocity`, `acceleration`, `force`, `normal_force`.
     pub channels: BTreeMap<String, ChannelReport>,
     /// A wave on the encoder that an independent channel does not show.
@@ -99,7 +111,7 @@ pub(super) struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// The report, without a cut-off.
+    /// The report, without cut-offs.
     pub fn report(&self) -> Preparation {
         Preparation {
             recording: self.name.into(),
@@ -109,6 +121,7 @@ impl Found<'_> {
             sample_period_s: self.sample_period,
             filter: FILTER.into(),
             cutoff_hz: None,
+            cutoffs_hz: None,
             channels: self.channels(),
             encoder_wave: self
                 .wave

@@ -8,13 +8,16 @@
 //! The cost is proportional to the number of stamps.
 
 mod chain;
+mod denoise;
 mod jerk;
 mod kalman;
 mod observation;
 
+pub use denoise::{Measured, Smoothed, smooth};
+pub use observation::{Observation, Observed};
+
 use crate::Error;
 use chain::Chain;
-pub use observation::{Observation, Observed};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Smoothed motion of a body, one entry for each stamp.

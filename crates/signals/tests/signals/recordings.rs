@@ -311,15 +311,16 @@ pub(crate) fn any_recording() -> impl Strategy<Value = Recording> {
 
 /// Equal bits; any NaN equals any other, a text has only one.
 pub(crate) fn same(a: &Recording, b: &Recording) -> bool {
-    let bits = |r: &Recording| -> Vec<(&'static str, Vec<u64>)> {
-        let of = |x: &f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
-        r.columns().into_iter().map(|(n, c)| (n, c.iter().map(of).collect())).collect()
+    let bits = |column: &[f64]| -> Vec<u64> {
+        column.iter().map(|x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() }).collect()
+    };
+    let columns = |r: &Recording| -> Vec<(&str, Vec<u64>)> {
+        r.columns().into_iter().map(|(name, column)| (name, bits(column))).collect()
     };
     let extra = |r: &Recording| -> Vec<(String, Vec<u64>)> {
-        let of = |x: &f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
-        r.extra.iter().map(|(n, c)| (n.clone(), c.iter().map(of).collect())).collect()
+        r.extra.iter().map(|(name, column)| (name.clone(), bits(column))).collect()
     };
-    bits(a) == bits(b)
+    columns(a) == columns(b)
         && extra(a) == extra(b)
         && a.metadata == b.metadata
         && a.geometry == b.geometry

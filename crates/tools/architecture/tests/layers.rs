@@ -1,7 +1,7 @@
 //! Crates depend downward, files do not circle. `--nocapture` prints the crates with their lines of code.
 
 use architecture::{Package, circles, imports, packages};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Every crate of the workspace, lowest first: one may depend only on those before it, with its tests as without.
@@ -76,15 +76,7 @@ fn crates_depend_downward_only() {
 
 #[test]
 fn files_do_not_circle() {
-    let allowed = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("known_circles.txt"));
-    let allowed: BTreeSet<String> = allowed
-        .expect("a list")
-        .lines()
-        .map(str::trim)
-        .filter(|line| !line.is_empty() && !line.starts_with('#'))
-        .map(str::to_owned)
-        .collect();
-    let mut found = BTreeMap::new();
+    let mut found = Vec::new();
     for package in workspace() {
         let graph = imports(&package.folder.join("src")).expect("readable");
         assert!(!graph.is_empty(), "{}: no source", package.name);
@@ -95,17 +87,10 @@ fn files_do_not_circle() {
                 format!("    {from} → {to}")
             };
             let edges = circle.iter().map(of_these).collect::<Vec<_>>().join("\n");
-            found.insert(format!("{}: {line}", package.name), edges);
+            found.push(format!("{}: {line}\n{edges}", package.name));
         }
     }
-    let new: Vec<String> = found
-        .iter()
-        .filter(|(line, _)| !allowed.contains(*line))
-        .map(|(line, edges)| format!("{line}\n{edges}"))
-        .collect();
-    let gone: Vec<&String> = allowed.iter().filter(|line| !found.contains_key(*line)).collect();
-    assert!(new.is_empty(), "files that import each other:\n{}", new.join("\n"));
-    assert!(gone.is_empty(), "gone, so take them off known_circles.txt: {gone:?}");
+    assert!(found.is_empty(), "files that import each other:\n{}", found.join("\n"));
 }
 
 #[test]

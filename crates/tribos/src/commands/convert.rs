@@ -5,9 +5,9 @@ use crate::options::Mapping;
 use crate::{files, reading};
 use std::path::PathBuf;
 
-/// Kinds of files, for `--help`.
-const KINDS: &str = "\
-Kinds of files, told by their content, then by the suffix:
+/// File formats, for `--help`.
+const FORMATS: &str = "\
+File formats, recognised by content, then by suffix:
   text       in, out   .csv; cells separated by commas, semicolons, tabs or spaces;
                        units in a second line; decimal commas where commas separate no cells
   MATLAB     in, out   .mat of version 5 to 7, in also 7.3
@@ -26,7 +26,7 @@ Examples:
 
 /// Options of `convert`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = KINDS)]
+#[command(after_help = FORMATS)]
 pub struct Args {
     /// Recording to read: text, .mat, .json, .h5, .parquet, .mcap, a ROS 2 bag
     #[arg(value_name = "IN")]

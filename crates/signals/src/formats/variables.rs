@@ -1,9 +1,10 @@
 //! Named arrays, which most kinds of file hold, and the recording they make: by a map, or by their own names.
 
-use crate::columns::{self, Named};
+use super::columns::{self, Named};
+use super::naming::{self, Heading, Role};
+use super::units;
 use crate::error::Place;
-use crate::naming::{self, Heading, Role};
-use crate::{Error, Map, Recording, units};
+use crate::{Error, Map, Recording};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
@@ -159,10 +160,7 @@ fn named(
     for (variable, role) in variables.into_iter().zip(roles) {
         let values = variable.values.unwrap_or_default();
         match role {
-            Role::Column(column, unit) if unit.is_si() => found.push((column, values)),
-            Role::Column(column, unit) => {
-                found.push((column, values.into_iter().map(|x| unit.to_si(x)).collect()));
-            }
+            Role::Column(column, unit) => found.push((column, unit.all_to_si(values))),
             Role::Extra => drop(extra.insert(variable.name, values)),
         }
     }

@@ -1,16 +1,41 @@
-//! Kinds of files: recognised by what they begin with, then by the suffix of their name. The one place that decides.
+//! File formats: recognised by content, then by the suffix of the name. The one place that decides.
+//!
+//! A reader makes named arrays of a file (`variables`) or series with clocks of their own (`topics`). Their names say what they are
+//! (`naming`, `units`, `columns`), or a map does (`expression`).
 
-#[cfg(feature = "hdf5")]
-use crate::hdf5_io;
-#[cfg(feature = "parquet")]
-use crate::parquet_io;
-use crate::variables::{self, Wanted};
-use crate::{Error, Map, Recording, csv_io, files, json_io, mat_io};
 #[cfg(feature = "ros2")]
-use crate::{bag_io, mcap_io};
+mod bag;
+#[cfg(feature = "ros2")]
+mod cdr;
+mod columns;
+mod csv;
+mod expression;
+#[cfg(feature = "hdf5")]
+mod hdf5;
+mod json;
+mod limits;
+mod matlab;
+#[cfg(feature = "ros2")]
+mod mcap;
+mod naming;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod signatures;
+mod stored;
+#[cfg(feature = "parquet")]
+mod thrift;
+#[cfg(feature = "ros2")]
+mod topics;
+mod units;
+mod variables;
+
+pub use expression::Map;
+
+use crate::{Error, Recording, files};
 use std::cell::Cell;
 use std::io::Read;
 use std::path::Path;
+use variables::Wanted;
 
 /// A kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +59,6 @@ pub const WRITTEN: [&str; 5] = ["csv", "mat", "mcap", "parquet", "h5"];
 
 /// Bytes from the beginning that decide.
 const HEAD: usize = 8192;
-const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// How to read a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -83,7 +107,7 @@ impl Recording {
     pub fn from_csv(name: &str, text: &[u8], options: &ReadOptions) -> Result<Self, Error> {
         let map = |_: &dyn Fn(&str) -> bool| options.map.as_ref();
         let wanted = Wanted { map: &map, joint: options.joint.as_deref() };
-        Ok(Self { name: name.into(), ..csv_io::read(name, text, &wanted)? })
+        Ok(Self { name: name.into(), ..csv::read(name, text, &wanted)? })
     }
 
     /// A recording of columns by name, as from a data frame; `name` stands for them in messages. Without a map, columns of other
@@ -137,7 +161,7 @@ impl Recording {
     /// # Errors
     /// Columns of unequal length.
     pub fn to_csv(&self) -> Result<String, Error> {
-        csv_io::write(self)
+        csv::write(self)
     }
 }
 
@@ -147,13 +171,13 @@ fn recognised(path: &Path, head: &[u8]) -> Result<Format, String> {
     // HDF5 may begin behind a block of the user's: 512 bytes, 1024, …
     let hdf5 = std::iter::once(0)
         .chain((9..13).map(|n| 1 << n))
-        .any(|at| head.get(at..).is_some_and(|b| b.starts_with(HDF5)));
+        .any(|at| head.get(at..).is_some_and(|b| b.starts_with(signatures::HDF5)));
     let by_content = [
         (hdf5, Format::Hdf5),
-        (head.starts_with(b"MATLAB 5.0"), Format::Matlab),
-        (head.starts_with(b"PAR1"), Format::Parquet),
-        (head.starts_with(b"\x89MCAP0\r\n"), Format::Mcap),
-        (head.starts_with(b"SQLite format 3\0"), Format::Sqlite),
+        (head.starts_with(signatures::MATLAB_5), Format::Matlab),
+        (head.starts_with(signatures::PARQUET), Format::Parquet),
+        (head.starts_with(signatures::MCAP), Format::Mcap),
+        (head.starts_with(signatures::SQLITE), Format::Sqlite),
     ];
     if let Some((_, format)) = by_content.iter().find(|(is, _)| *is) {
         return Ok(*format);
@@ -191,7 +215,7 @@ fn suffix(path: &Path) -> String {
 /// Whether a folder is a recording: a bag of ROS 2.
 #[must_use]
 pub fn is_bag(path: &Path) -> bool {
-    path.join("metadata.yaml").is_file()
+    path.join(signatures::BAG_METADATA).is_file()
 }
 
 /// Reads a file of any kind.
@@ -208,19 +232,19 @@ fn read(path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
     };
     let bytes = || std::fs::read(path).map_err(words);
     let mut recording = match format {
-        Format::Text => csv_io::read(&file, &bytes()?, wanted)?,
-        Format::Json => json_io::read(&file, &bytes()?, wanted)?,
-        Format::Matlab => mat_io::read(&file, &bytes()?, wanted)?,
+        Format::Text => csv::read(&file, &bytes()?, wanted)?,
+        Format::Json => json::read(&file, &bytes()?, wanted)?,
+        Format::Matlab => matlab::read(&file, &bytes()?, wanted)?,
         #[cfg(feature = "hdf5")]
-        Format::Hdf5 => hdf5_io::read(&file, bytes()?, wanted)?,
+        Format::Hdf5 => hdf5::read(&file, bytes()?, wanted)?,
         #[cfg(feature = "parquet")]
-        Format::Parquet => parquet_io::read(&file, bytes()?, wanted)?,
+        Format::Parquet => parquet::read(&file, bytes()?, wanted)?,
         #[cfg(feature = "ros2")]
-        Format::Mcap => mcap_io::read(&file, path, wanted)?,
+        Format::Mcap => mcap::read(&file, path, wanted)?,
         #[cfg(feature = "ros2")]
-        Format::Sqlite => bag_io::read(&file, path, wanted)?,
+        Format::Sqlite => bag::read(&file, path, wanted)?,
         #[cfg(feature = "ros2")]
-        Format::Folder => bag_io::read_folder(&file, path, wanted)?,
+        Format::Folder => bag::read_folder(&file, path, wanted)?,
         #[cfg(not(all(feature = "hdf5", feature = "parquet", feature = "ros2")))]
         other => return Err(fail(format!("{other:?}: this program was built without a reader of it"))),
     };
@@ -234,14 +258,14 @@ fn written(path: &Path, recording: &Recording) -> Result<(Vec<u8>, Option<String
     recording.check_lengths()?;
     check_suffix(path)?;
     match suffix(path).as_str() {
-        "csv" => Ok((csv_io::write(recording)?.into_bytes(), None)),
-        "mat" => Ok((mat_io::write(&file, recording)?, None)),
+        "csv" => Ok((csv::write(recording)?.into_bytes(), None)),
+        "mat" => Ok((matlab::write(&file, recording)?, None)),
         #[cfg(feature = "hdf5")]
-        "h5" => Ok((hdf5_io::write(&file, recording)?, None)),
+        "h5" => Ok((hdf5::write(&file, recording)?, None)),
         #[cfg(feature = "parquet")]
-        "parquet" => Ok((parquet_io::write(&file, recording)?, None)),
+        "parquet" => Ok((parquet::write(&file, recording)?, None)),
         #[cfg(feature = "ros2")]
-        "mcap" => mcap_io::write(&file, recording),
+        "mcap" => mcap::write(&file, recording),
         other => {
             Err(Error::File { file, why: format!(".{other}: this program was built without a writer of it") })
         }

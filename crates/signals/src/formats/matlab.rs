@@ -7,8 +7,10 @@
 //! Written is a column of doubles per signal, named with its unit, so that reading back needs no map. MATLAB has no place for
 //! metadata and no names such as `j1/position_rad`: both are in one more variable, `tribos_about`, as JSON text.
 
-use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Geometry, Recording, limits};
+use super::limits;
+use super::stored::Stored;
+use super::variables::{Variable, Wanted, assemble};
+use crate::{Error, Geometry, Recording};
 use miniz_oxide::inflate::TINFLStatus;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -212,9 +214,10 @@ fn matrix(reader: &mut Reader) -> Result<Array, String> {
     if complex || !(6..=15).contains(&(word & 0xff)) {
         return Ok(Array::Numbers(Variable::other(name, if complex { "complex" } else { kind }, size)));
     }
-    let (stored, data) = reader.element(true)?;
-    let values = numbers(stored, data, reader.big)
-        .ok_or_else(|| format!("`{name}` has numbers of unknown type {stored}"))?;
+    let (kind_of_data, data) = reader.element(true)?;
+    let values = stored(kind_of_data)
+        .ok_or_else(|| format!("`{name}` has numbers of unknown type {kind_of_data}"))?
+        .read_all(data, reader.big);
     let expected = size.iter().try_fold(1usize, |n, d| n.checked_mul(*d));
     if expected != Some(values.len()) {
         return Err(format!("`{name}` is said to be {size:?} and has {} elements", values.len()));
@@ -222,31 +225,19 @@ fn matrix(reader: &mut Reader) -> Result<Array, String> {
     Ok(Array::Numbers(Variable { name, kind, size, values: Some(values), ..Variable::default() }))
 }
 
-/// The numbers as they are stored: MATLAB shrinks a double to the smallest integer type that holds it.
-fn numbers(kind: u32, data: &[u8], big: bool) -> Option<Vec<f64>> {
-    fn all<const N: usize>(data: &[u8], big: bool, make: impl Fn([u8; N]) -> f64) -> Vec<f64> {
-        data.chunks_exact(N)
-            .filter_map(|c| c.first_chunk::<N>())
-            .map(|c| {
-                let mut little = *c;
-                if big {
-                    little.reverse();
-                }
-                make(little)
-            })
-            .collect()
-    }
+/// Type of the numbers of an element: MATLAB shrinks a double to the smallest integer type that holds it.
+fn stored(kind: u32) -> Option<Stored> {
     Some(match kind {
-        1 => all(data, big, |c: [u8; 1]| f64::from(c[0] as i8)),
-        2 => all(data, big, |c: [u8; 1]| f64::from(c[0])),
-        3 => all(data, big, |c| f64::from(i16::from_le_bytes(c))),
-        4 => all(data, big, |c| f64::from(u16::from_le_bytes(c))),
-        5 => all(data, big, |c| f64::from(i32::from_le_bytes(c))),
-        6 => all(data, big, |c| f64::from(u32::from_le_bytes(c))),
-        7 => all(data, big, |c| f64::from(f32::from_le_bytes(c))),
-        9 => all(data, big, f64::from_le_bytes),
-        12 => all(data, big, |c| i64::from_le_bytes(c) as f64),
-        13 => all(data, big, |c| u64::from_le_bytes(c) as f64),
+        1 => Stored::I8,
+        2 => Stored::U8,
+        3 => Stored::I16,
+        4 => Stored::U16,
+        5 => Stored::I32,
+        6 => Stored::U32,
+        7 => Stored::F32,
+        9 => Stored::F64,
+        12 => Stored::I64,
+        13 => Stored::U64,
         _ => return None,
     })
 }

@@ -1,7 +1,7 @@
 //! The best source of velocity and acceleration: a column of the recording, or the position.
 
 use crate::LowPass;
-use crate::gains::{four_point_gain, white_gain};
+use crate::filter::{four_point_gain, white_gain};
 
 /// Where velocity or acceleration comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

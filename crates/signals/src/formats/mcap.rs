@@ -4,18 +4,17 @@
 //! Read are these, the two messages of ROS 2 that hold a motion, and numbers of other JSON messages. Records are read one at a time:
 //! a log with hours of video takes no more memory than its largest chunk.
 
-use crate::columns;
-use crate::topics::{self, Topics};
-use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Recording, files, limits};
+use super::columns;
+use super::topics::{self, Topics};
+use super::variables::{Variable, Wanted, assemble};
+use super::{json, limits, signatures};
+use crate::{Error, Recording, files};
 use mcap::records::{MessageHeader, Metadata};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
-
-pub(crate) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// Operation codes of the records that are read.
 const FOOTER: u8 = 0x02;
@@ -59,7 +58,7 @@ struct Channel {
     kind: String,
 }
 
-/// What of a log was read so far.
+/// Contents of a log, collected record by record.
 #[derive(Default)]
 struct Log {
     schemas: HashMap<u16, String>,
@@ -79,7 +78,7 @@ impl Log {
         let mut file = BufReader::new(File::open(path).map_err(words)?);
         let size = file.get_ref().metadata().map_err(words)?.len();
         self.size = usize::try_from(size).map_err(|e| e.to_string())?;
-        let mut at = MAGIC.len() as u64;
+        let mut at = signatures::MCAP.len() as u64;
         file.seek(SeekFrom::Start(at)).map_err(words)?;
         loop {
             let cut =
@@ -275,12 +274,7 @@ impl<'a> Fields<'a> {
 
 /// Numbers of a JSON value, by their paths.
 fn flatten(path: &str, value: &Value, depth: usize, out: &mut Vec<(String, f64)>) {
-    let number = match value {
-        Value::Number(number) => number.as_f64(),
-        Value::Bool(on) => Some(f64::from(u8::from(*on))),
-        _ => None,
-    };
-    if let Some(number) = number.filter(|_| out.len() < MOST) {
+    if let Some(number) = json::number(value).filter(|_| out.len() < MOST) {
         out.push((path.to_owned(), number));
     }
     if let Some(members) = value.as_object().filter(|_| depth < 8) {

@@ -4,8 +4,10 @@
 //! two-dimensional dataset is one column a joint, `q[1]`, `q[2]`, …; a compound dataset is a column a field, `table.q`. The
 //! attribute `units` or `unit` of a dataset is its unit. Attributes of the root are metadata.
 
-use crate::variables::{Variable, Wanted, assemble};
-use crate::{Error, Recording, columns, limits};
+use super::stored::Stored;
+use super::variables::{Variable, Wanted, assemble};
+use super::{columns, limits};
+use crate::{Error, Recording};
 use hdf5_pure::{AttrValue, DType, Dataset, Datatype, DatatypeByteOrder, File, FileBuilder, Group};
 
 /// Groups within each other.
@@ -31,7 +33,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
     Ok(recording)
 }
 
-/// What of a file was read so far.
+/// Variables of a file as it is walked through, and the memory they take.
 struct Found {
     matlab: bool,
     variables: Vec<Variable>,
@@ -171,7 +173,7 @@ impl Found {
         self.take(dataset, Some(rows), width, width.saturating_mul(2))?;
         let raw = dataset.read_raw().map_err(words)?;
         for member in members {
-            let Some(of) = number(&member.datatype) else {
+            let Some((number, big)) = stored(&member.datatype) else {
                 self.variables.push(Variable::other(
                     format!("{name}.{}", member.name),
                     "of another type",
@@ -181,7 +183,7 @@ impl Found {
             };
             let at = usize::try_from(member.byte_offset).map_err(|e| e.to_string())?;
             let values: Option<Vec<f64>> =
-                raw.chunks_exact(width.max(1)).map(|record| of(record.get(at..)?)).collect();
+                raw.chunks_exact(width.max(1)).map(|record| number.read(record.get(at..)?, big)).collect();
             let values =
                 values.ok_or_else(|| format!("its field {} lies outside of a record", member.name))?;
             self.variables.push(Variable::column(format!("{name}.{}", member.name), "field", values));
@@ -190,38 +192,16 @@ impl Found {
     }
 }
 
-/// Reads one number from the beginning of its bytes.
-type Number = Box<dyn Fn(&[u8]) -> Option<f64>>;
-
-/// How numbers of a type are read; none of a type that is no plain number.
-fn number(datatype: &Datatype) -> Option<Number> {
-    fn of<const N: usize>(big: bool, make: fn([u8; N]) -> f64) -> Option<Number> {
-        Some(Box::new(move |bytes| {
-            let mut bytes = *bytes.first_chunk::<N>()?;
-            if big {
-                bytes.reverse();
-            }
-            Some(make(bytes))
-        }))
-    }
+/// Type of plain numbers, and whether its bytes are big-endian; `None` for any other type.
+fn stored(datatype: &Datatype) -> Option<(Stored, bool)> {
     let big = |order: &DatatypeByteOrder| *order == DatatypeByteOrder::BigEndian;
     match datatype {
-        Datatype::FloatingPoint { size: 8, byte_order, .. } => of(big(byte_order), f64::from_le_bytes),
-        Datatype::FloatingPoint { size: 4, byte_order, .. } => {
-            of(big(byte_order), |b| f64::from(f32::from_le_bytes(b)))
+        Datatype::FloatingPoint { size: 8, byte_order, .. } => Some((Stored::F64, big(byte_order))),
+        Datatype::FloatingPoint { size: 4, byte_order, .. } => Some((Stored::F32, big(byte_order))),
+        Datatype::FixedPoint { size, byte_order, layout } => {
+            Some((Stored::integer(*size, layout.signed)?, big(byte_order)))
         }
-        Datatype::FixedPoint { size, byte_order, layout } => match (size, layout.signed) {
-            (1, true) => of(false, |[b]| f64::from(b as i8)),
-            (1, false) => of(false, |[b]| f64::from(b)),
-            (2, true) => of(big(byte_order), |b| f64::from(i16::from_le_bytes(b))),
-            (2, false) => of(big(byte_order), |b| f64::from(u16::from_le_bytes(b))),
-            (4, true) => of(big(byte_order), |b| f64::from(i32::from_le_bytes(b))),
-            (4, false) => of(big(byte_order), |b| f64::from(u32::from_le_bytes(b))),
-            (8, true) => of(big(byte_order), |b| i64::from_le_bytes(b) as f64),
-            (8, false) => of(big(byte_order), |b| u64::from_le_bytes(b) as f64),
-            _ => None,
-        },
-        Datatype::Enumeration { base_type, .. } => number(base_type),
+        Datatype::Enumeration { base_type, .. } => stored(base_type),
         _ => None,
     }
 }

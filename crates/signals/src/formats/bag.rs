@@ -1,17 +1,15 @@
 //! Recordings from bags of ROS 2: a file of SQLite, or a folder with `metadata.yaml` and the files it names, of SQLite or MCAP.
 
-use crate::topics::{self, Topics};
-use crate::variables::Wanted;
-use crate::{Error, Recording, files, mcap_io};
+use super::mcap;
+use super::signatures::{self, BAG_METADATA};
+use super::topics::{self, Topics};
+use super::variables::Wanted;
+use crate::{Error, Recording, files};
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags};
 use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-
-pub(crate) const MAGIC: &[u8] = b"SQLite format 3\0";
-/// What a folder needs to be a bag.
-pub(crate) const METADATA: &str = "metadata.yaml";
 
 /// Reads a bag's file.
 pub(crate) fn read(file: &str, path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
@@ -25,8 +23,8 @@ pub(crate) fn read_folder(file: &str, path: &Path, wanted: &Wanted) -> Result<Re
     let mut topics = Topics::default();
     for part in parts(path).map_err(|why| Error::File { file: file.into(), why })? {
         let name = part.display().to_string();
-        let read = if begins_with(&part, mcap_io::MAGIC) {
-            mcap_io::read_topics(&part, std::mem::take(&mut topics)).map(|read| topics = read)
+        let read = if begins_with(&part, signatures::MCAP) {
+            mcap::read_topics(&part, std::mem::take(&mut topics)).map(|read| topics = read)
         } else {
             storage(&part, &mut topics)
         };
@@ -37,15 +35,15 @@ pub(crate) fn read_folder(file: &str, path: &Path, wanted: &Wanted) -> Result<Re
 
 /// The files that `metadata.yaml` names.
 fn parts(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let text = std::fs::read_to_string(folder.join(METADATA))
-        .map_err(|e| format!("{METADATA}: {}", files::reason(&e)))?;
+    let text = std::fs::read_to_string(folder.join(BAG_METADATA))
+        .map_err(|e| format!("{BAG_METADATA}: {}", files::reason(&e)))?;
     // a list of plain names: `relative_file_paths:` and lines that begin with a dash
     let mut lines = text.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
     let name =
         |line: &str| line.strip_prefix("- ").map(|name| name.trim().trim_matches(['"', '\'']).to_owned());
     let names: Vec<String> = std::iter::from_fn(|| lines.next().and_then(name)).collect();
     if names.is_empty() {
-        return Err(format!("{METADATA} names no files under relative_file_paths"));
+        return Err(format!("{BAG_METADATA} names no files under relative_file_paths"));
     }
     for name in &names {
         if name.ends_with(".zstd") {
@@ -65,7 +63,7 @@ fn begins_with(path: &Path, magic: &[u8]) -> bool {
 /// Reads the messages of a file of SQLite.
 fn storage(path: &Path, topics: &mut Topics) -> Result<(), String> {
     let size = std::fs::metadata(path).map_err(|e| files::reason(&e))?.len();
-    if !begins_with(path, MAGIC) {
+    if !begins_with(path, signatures::SQLITE) {
         return Err("neither SQLite nor MCAP".into());
     }
     let words = |e: rusqlite::Error| format!("SQLite that cannot be read: {e}");

@@ -2,9 +2,10 @@
 //!
 //! A column of time stamps is in seconds from its first. What is missing is NaN. Columns of texts and lists are not read.
 
-use crate::thrift::Walk;
-use crate::variables::{TIME_ZERO, Variable, Wanted, assemble};
-use crate::{Error, Recording, limits};
+use super::thrift::Walk;
+use super::variables::{TIME_ZERO, Variable, Wanted, assemble};
+use super::{limits, signatures};
+use crate::{Error, Recording};
 use bytes::Bytes;
 use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical, ZstdLevel};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
@@ -88,7 +89,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
 /// Refuses a footer that does not fit its bytes.
 fn check_footer(bytes: &[u8]) -> Result<(), String> {
     let (rest, end) = bytes.split_last_chunk::<8>().ok_or("Parquet that is cut off")?;
-    if &end[4..] != b"PAR1" {
+    if &end[4..] != signatures::PARQUET {
         return Err("Parquet that is cut off: it does not end with PAR1".into());
     }
     let length = u32::from_le_bytes([end[0], end[1], end[2], end[3]]) as usize;
@@ -124,7 +125,7 @@ fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData) -> Result<(), String>
     Ok(())
 }
 
-/// How the numbers of a column are read.
+/// Type of the numbers of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Boolean,
@@ -173,11 +174,11 @@ fn kind(column: &ColumnDescriptor) -> Result<Kind, &'static str> {
     }
 }
 
-/// The numbers of a column, so far.
+/// Numbers of a column, collected group by group.
 #[derive(Default)]
 struct Values {
     numbers: Vec<f64>,
-    /// Of the time stamps.
+    /// First time stamp.
     first: Option<i64>,
 }
 

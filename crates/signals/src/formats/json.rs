@@ -3,7 +3,7 @@
 //! The samples are the file itself or a member of it with any name; the longest list is used. Numbers beside the list are constants
 //! for a map, and texts and numbers beside it are metadata. `true` is 1, `false` is 0, `null` is a missing value.
 
-use crate::variables::{Variable, Wanted, assemble};
+use super::variables::{Variable, Wanted, assemble};
 use crate::{Error, Recording};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -23,13 +23,18 @@ pub(crate) fn read(file: &str, bytes: &[u8], wanted: &Wanted) -> Result<Recordin
     Ok(recording)
 }
 
-fn number(value: &Value) -> Option<f64> {
+/// The number of a value: `true` is 1, `false` is 0.
+pub(crate) fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Number(n) => n.as_f64(),
         Value::Bool(b) => Some(f64::from(u8::from(*b))),
-        Value::Null => Some(f64::NAN),
         _ => None,
     }
+}
+
+/// A number, or a missing one.
+fn sample(value: &Value) -> Option<f64> {
+    if value.is_null() { Some(f64::NAN) } else { number(value) }
 }
 
 /// A list whose members are objects: samples.
@@ -46,15 +51,15 @@ fn variables(root: &Value) -> Vec<Variable> {
         for name in names {
             if !columns.contains_key(name.as_str()) {
                 // what a sample lacks is not there; what is text is no number
-                let of = |sample: &Value| sample.get(name).map_or(Some(f64::NAN), number).unwrap_or(f64::NAN);
+                let of = |row: &Value| row.get(name).and_then(number).unwrap_or(f64::NAN);
                 columns.insert(name, list.iter().map(of).collect());
             }
         }
     }
     for (name, value) in root.as_object().into_iter().flatten() {
         let column: Option<Vec<f64>> = match value {
-            Value::Array(list) => list.iter().map(number).collect(),
-            single => number(single).map(|v| vec![v]),
+            Value::Array(list) => list.iter().map(sample).collect(),
+            single => sample(single).map(|v| vec![v]),
         };
         if let Some(column) = column
             && !columns.contains_key(name.as_str())

@@ -1,6 +1,6 @@
 //! Names of columns, with their units, and the recording made of named columns.
 
-use crate::units::Unit;
+use super::units::Unit;
 use crate::{Geometry, Recording};
 use friction::Dimension;
 

@@ -3,8 +3,8 @@
 //! A heading is a name of a recording (`position_m`), a quantity with a unit of its own (`position` in `mm`), or either with a
 //! joint's label before, behind or within it: `j2_position_rad`, `position_rad[2]`, `position_j2_rad`.
 
-use crate::columns::{self, Named, Slot};
-use crate::units::{self, Unit, Unread};
+use super::columns::{self, Named, Slot};
+use super::units::{self, Unit, Unread};
 
 /// The name of a column and, where the file says it apart from the name, its unit.
 #[derive(Debug, Clone, Copy)]
@@ -194,36 +194,39 @@ fn si(column: &Named) -> Result<Unit, String> {
     units::parse(&columns::si(column)).map_err(|_| format!("{} has no unit", column.name))
 }
 
-/// Of the words, the one whose parts a name has, with what is left of the name: a label. The fewest parts left win.
+/// The word that leaves the fewest parts of a name, with those parts: a joint's label.
 fn best<T>(name: &str, words: impl Iterator<Item = (&'static str, T)>) -> Option<(T, Option<&str>)> {
     let parts = parts(name);
     let mut best: Option<(usize, T, Option<&str>)> = None;
     for (word, value) in words {
         let wanted: Vec<&str> = word.split('_').collect();
-        let Some(left) = parts.len().checked_sub(wanted.len()) else { continue };
-        if best.as_ref().is_some_and(|(fewest, ..)| *fewest <= left) {
+        let Some(label) = labels(&parts, &wanted).next() else { continue };
+        if best.as_ref().is_some_and(|(fewest, ..)| *fewest <= label.len()) {
             continue;
         }
-        let equal = |parts: &[(usize, &str)], wanted: &[&str]| {
-            parts.iter().zip(wanted).all(|((_, part), word)| part.eq_ignore_ascii_case(word))
-        };
-        // the label is one run of parts; the rest before and behind it is the word
-        let at = (0..=wanted.len())
-            .rev()
-            .find(|&k| equal(&parts[..k], &wanted[..k]) && equal(&parts[k + left..], &wanted[k..]));
-        if let Some(k) = at {
-            let label = (left > 0).then(|| {
-                let (first, last) = (parts[k], parts[k + left - 1]);
-                &name[first.0..last.0 + last.1.len()]
-            });
-            best = Some((left, value, label));
-        }
+        let text = label.first().zip(label.last()).map(|(first, last)| &name[first.0..last.0 + last.1.len()]);
+        best = Some((label.len(), value, text));
     }
     best.map(|(_, value, label)| (value, label))
 }
 
-/// Runs of letters and digits with their places.
-fn parts(name: &str) -> Vec<(usize, &str)> {
+/// The labels that the parts of a name can have beside a word: one run of parts, with the word before and behind it. The last
+/// place comes first.
+fn labels<'p, 'a>(parts: &'p [Part<'a>], word: &[&str]) -> impl Iterator<Item = &'p [Part<'a>]> {
+    let equal = |parts: &[Part], word: &[&str]| {
+        parts.iter().zip(word).all(|((_, part), word)| part.eq_ignore_ascii_case(word))
+    };
+    let left = parts.len().checked_sub(word.len());
+    let places = left.into_iter().flat_map(|left| (0..=word.len()).rev().map(move |k| (k, k + left)));
+    places
+        .filter(move |&(k, end)| equal(&parts[..k], &word[..k]) && equal(&parts[end..], &word[k..]))
+        .map(|(k, end)| &parts[k..end])
+}
+
+/// A run of letters and digits, with its place in the name.
+type Part<'a> = (usize, &'a str);
+
+fn parts(name: &str) -> Vec<Part<'_>> {
     let mut out = Vec::new();
     let mut start = None;
     for (at, c) in name.char_indices().chain(std::iter::once((name.len(), ' '))) {
@@ -240,8 +243,11 @@ fn parts(name: &str) -> Vec<(usize, &str)> {
 }
 
 fn same_label(one: &str, other: &str) -> bool {
-    let (one, other) = (parts(one), parts(other));
-    one.len() == other.len() && one.iter().zip(&other).all(|(a, b)| a.1.eq_ignore_ascii_case(b.1))
+    same_parts(&parts(one), &parts(other))
+}
+
+fn same_parts(one: &[Part], other: &[Part]) -> bool {
+    one.len() == other.len() && one.iter().zip(other).all(|(a, b)| a.1.eq_ignore_ascii_case(b.1))
 }
 
 /// `Position [mm]` → `Position`, `mm`. A number in brackets is an index.
@@ -260,16 +266,9 @@ fn inside(unit: &str) -> &str {
 
 /// The joint of a label in a name, for a map's variable: whether `name` is `variable` with that label.
 pub(crate) fn is_of_joint(name: &str, variable: &str, joint: &str) -> bool {
-    let (all, wanted, label) = (parts(name), parts(variable), parts(joint));
-    all.len() == wanted.len() + label.len()
-        && (0..=wanted.len()).any(|k| {
-            let equal = |a: &[(usize, &str)], b: &[(usize, &str)]| {
-                a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.1.eq_ignore_ascii_case(y.1))
-            };
-            equal(&all[..k], &wanted[..k])
-                && equal(&all[k..k + label.len()], &label)
-                && equal(&all[k + label.len()..], &wanted[k..])
-        })
+    let (name, joint) = (parts(name), parts(joint));
+    let variable: Vec<&str> = parts(variable).into_iter().map(|(_, part)| part).collect();
+    labels(&name, &variable).any(|label| same_parts(label, &joint))
 }
 
 #[cfg(test)]

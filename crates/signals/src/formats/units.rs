@@ -17,8 +17,18 @@ pub(crate) struct Unit {
 
 impl Unit {
     /// A value in SI (a temperature in °C). Dividing by a thousand rounds once; multiplying by 0.001 rounds twice.
-    pub(crate) fn to_si(self, value: f64) -> f64 {
+    fn to_si(self, value: f64) -> f64 {
         value * self.times / self.over + self.plus
+    }
+
+    /// All values of a column in SI.
+    pub(crate) fn all_to_si(self, mut values: Vec<f64>) -> Vec<f64> {
+        if !self.is_si() {
+            for value in &mut values {
+                *value = self.to_si(*value);
+            }
+        }
+        values
     }
 
     /// Whether numbers stay as they are.

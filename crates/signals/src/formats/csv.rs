@@ -4,11 +4,12 @@
 //! quantities (`time;position;force`), and the numbers become SI. Where cells are not separated by commas, a comma may be the
 //! decimal sign, in all of them.
 
+use super::columns;
+use super::naming::{self, Heading, Role};
+use super::units::{self, Unread};
+use super::variables::{NOT_USED, Wanted, one_line, units_of_map};
 use crate::error::Place;
-use crate::naming::{self, Heading, Role};
-use crate::units::{self, Unread};
-use crate::variables::{NOT_USED, Wanted, one_line, units_of_map};
-use crate::{Error, Recording, columns};
+use crate::{Error, Recording};
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -173,10 +174,7 @@ impl<'a> Table<'a> {
             })?;
         let numbers = self.numbers(|i| matches!(roles[i], Role::Column(..)))?;
         let columns = roles.iter().zip(numbers).filter_map(|(role, values)| match role {
-            Role::Column(column, unit) if unit.is_si() => Some((*column, values)),
-            Role::Column(column, unit) => {
-                Some((*column, values.into_iter().map(|x| unit.to_si(x)).collect()))
-            }
+            Role::Column(column, unit) => Some((*column, unit.all_to_si(values))),
             Role::Extra => None,
         });
         let mut recording = columns::assemble(columns.collect()).map_err(|missing| {

@@ -1,5 +1,12 @@
 //! White noise of a channel, estimated from the scatter of samples about their neighbours.
 
+mod calibrate;
+mod sources;
+
+pub(crate) use calibrate::filter_variance_gain;
+pub use calibrate::{Calibration, calibrate_accelerometer};
+pub use sources::{Source, Sources};
+
 /// Variance of the white noise of a channel, from its third differences: Var Δ³x = 20 σ².
 ///
 /// A motion that is smooth over four samples drops out. The largest fifth of the differences is left out, so that

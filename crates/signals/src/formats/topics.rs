@@ -4,10 +4,10 @@
 //! `/joint_states:elbow.position`, `/ft:force.z`. The clock of the recording is that of the position: other topics are interpolated
 //! linearly at its stamps, only where they overlap, and not across their own gaps.
 
-use crate::cdr::{self, JOINT_FIELDS, WRENCH_FIELDS};
-use crate::columns::{self, Named, Slot};
+use super::cdr::{self, JOINT_FIELDS, WRENCH_FIELDS};
+use super::columns::{self, Named, Slot};
+use super::variables::{TIME_ZERO, Wanted};
 use crate::error::Place;
-use crate::variables::{TIME_ZERO, Wanted};
 use crate::{Error, Geometry, Map, Recording};
 use std::borrow::Cow;
 
@@ -74,7 +74,7 @@ impl Track {
         }
     }
 
-    /// Values at `stamps`, and how many of them lie in gaps and are NaN.
+    /// Values interpolated linearly at `stamps`. In a gap the value is NaN; the number of these is returned, too.
     fn at(&self, values: &[f64], stamps: &[i64]) -> (Vec<f64>, usize) {
         let mut steps: Vec<i64> = self.stamps.windows(2).map(|w| w[1].saturating_sub(w[0])).collect();
         steps.sort_unstable();
@@ -128,36 +128,36 @@ impl Topics {
         if kind == JOINT_STATE {
             let (stamp, joints) = cdr::joint_state(data)?;
             for (name, values) in joints {
-                self.track(topic, Some(name), &JOINT_FIELDS).push(stamp, logged, &values);
+                self.track(topic, Some(name), JOINT_FIELDS.map(Cow::Borrowed)).push(stamp, logged, &values);
             }
         } else {
             let (stamp, values) = cdr::wrench(data)?;
-            self.track(topic, None, &WRENCH_FIELDS).push(stamp, logged, &values);
+            self.track(topic, None, WRENCH_FIELDS.map(Cow::Borrowed)).push(stamp, logged, &values);
         }
         Ok(())
     }
 
     /// Numbers of a message by name; those of a topic's first message are kept.
     pub(crate) fn numbers(&mut self, topic: &str, logged: i64, numbers: &[(String, f64)]) {
-        let at = self.tracks.iter().position(|t| t.topic == topic && t.joint.is_none());
-        let at = at.unwrap_or_else(|| {
-            let fields = numbers.iter().map(|(name, _)| (name.clone().into(), Vec::new())).collect();
-            self.tracks.push(Track { topic: topic.into(), fields, ..Track::default() });
-            self.tracks.len() - 1
-        });
-        let track = &mut self.tracks[at];
+        let track = self.track(topic, None, numbers.iter().map(|(name, _)| name.clone().into()));
         let value = |field: &str| numbers.iter().find(|(name, _)| name == field).map_or(f64::NAN, |n| n.1);
         let values: Vec<f64> = track.fields.iter().map(|(field, _)| value(field)).collect();
         track.push(logged, logged, &values);
     }
 
-    fn track(&mut self, topic: &str, joint: Option<&str>, fields: &[&'static str]) -> &mut Track {
+    /// The track of a topic and joint; a new one has these fields.
+    fn track(
+        &mut self,
+        topic: &str,
+        joint: Option<&str>,
+        fields: impl IntoIterator<Item = Cow<'static, str>>,
+    ) -> &mut Track {
         let at = self.tracks.iter().position(|t| t.topic == topic && t.joint.as_deref() == joint);
         let at = at.unwrap_or_else(|| {
             self.tracks.push(Track {
                 topic: topic.into(),
                 joint: joint.map(str::to_owned),
-                fields: fields.iter().map(|field| ((*field).into(), Vec::new())).collect(),
+                fields: fields.into_iter().map(|field| (field, Vec::new())).collect(),
                 ..Track::default()
             });
             self.tracks.len() - 1

@@ -56,7 +56,7 @@ pub fn calibrate_accelerometer(reading: &[f64], velocity: &[f64], dt: f64) -> Op
 
 /// Variance behind the zero-phase filter of white noise of unit variance in front of it.
 pub(crate) fn filter_variance_gain(filter: &Filter) -> f64 {
-    crate::gains::white_gain(|f| filter.gain(f).powi(2))
+    crate::filter::white_gain(|f| filter.gain(f).powi(2))
 }
 
 /// y = slope·x + offset.

@@ -2,6 +2,13 @@
 //!
 //! Designs and edges agree with scipy's `butter`, `cheby1`, `sosfiltfilt` and `decimate` to rounding.
 
+mod gains;
+mod low_pass;
+
+pub(crate) use gains::four_point_gain;
+pub use gains::{central_gain, white_gain};
+pub use low_pass::LowPass;
+
 use crate::Error;
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -1,9 +1,9 @@
 //! Map texts: which variables of a file make which column, `time_s=t,position_m=qm,force_n=gtau*vir`.
 
-use crate::Error;
 #[cfg(feature = "ros2")]
-use crate::columns::Slot;
-use crate::columns::{self, Named};
+use super::columns::Slot;
+use super::columns::{self, Named};
+use crate::Error;
 use std::str::FromStr;
 
 /// Parentheses and signs within each other.
