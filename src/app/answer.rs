@@ -21,7 +21,7 @@ pub(super) enum Pending {
     /// New settings: a preset, or one changed parameter.
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
     /// Settings of the device, what changed, and the parameters that replace a contact which it cannot render.
-    Device { device: Device, what: String<96>, scaled: Option<Settings> },
+    Device { device: Device, what: String<200>, scaled: Option<Settings> },
     /// A calibration: the device with its channels, and their description.
     Calibrated(Device, Fits),
     /// The push of the self-test, which has no answer of its own.

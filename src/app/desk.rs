@@ -762,7 +762,7 @@ impl Desk {
     fn change_device(
         &mut self,
         device: Device,
-        what: heapless::String<96>,
+        what: heapless::String<200>,
         now: u32,
         ends: &mut DeskEnds<'_>,
     ) {

@@ -11,8 +11,10 @@ const SLOW: f32 = 0.3;
 /// Speed beyond which the handle is surely not at rest, as a share of a band.
 pub(super) const MOVING: f32 = 0.25;
 
-/// Frequency of the procedure as a share of the highest one: 2 Hz of 5.89 by default.
-const SHARE_OF_FASTEST: f32 = 0.34;
+/// Highest frequency of the default device at the amplitude of the default procedure, Hz.
+const FASTEST_HZ: f32 = 5.89;
+/// Highest frequency of the procedure on any device, Hz: a hundred periods of the slowest loop.
+const MOST_HZ: f32 = 10.0;
 
 /// The identification procedure. `default()` is that of [thesis, ch. 3.5.2, 3.5.3].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,13 +38,13 @@ impl Default for Procedure {
 }
 
 impl Procedure {
-    /// The default procedure on this device: the same share of the stroke, and no faster than force and speed allow.
+    /// The default procedure on this device: the same share of the stroke, and of the highest frequency.
     #[must_use]
     pub fn of(device: &Device) -> Self {
         let own = Self::default();
         let amplitude_m = device.length(own.amplitude_m);
         let fastest = Excitation { amplitude_m, ..own.excitation() }.fastest(device);
-        Self { amplitude_m, frequency_hz: own.frequency_hz.min(SHARE_OF_FASTEST * fastest), ..own }
+        Self { amplitude_m, frequency_hz: MOST_HZ.min(own.frequency_hz * (fastest / FASTEST_HZ)), ..own }
     }
 
     /// The motion that carries it.
