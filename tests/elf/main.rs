@@ -11,6 +11,7 @@ mod black_box;
 mod board;
 mod clock;
 mod cycles;
+mod device;
 mod endurance;
 mod flash;
 mod law_names;
@@ -54,6 +55,8 @@ fn main() -> ExitCode {
             cycles::cycles_of_every_effect,
             cycles::cycles_of_the_passivity_controller,
             cycles::the_longest_allowed_step_is_not_late,
+            device::another_device_homes_and_identifies_after_a_reset,
+            device::a_power_cut_leaves_the_old_or_the_new_device,
             endurance::full_load_costs_no_step_and_no_frame,
             flash::power_cuts_leave_old_or_new_presets,
             flash::presets_survive_power_cuts_and_deletions_hold,

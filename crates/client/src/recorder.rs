@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::moves::Move;
 use crate::sample::{Header, Sample};
 use crate::session::{Event, Session};
+use friction::Geometry;
 use signals::files::{self, FileError};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -144,7 +145,7 @@ fn take(
                         return finish(file, path, last, lost, false);
                     }
                     if file.is_none() {
-                        file = Some(RecordingFile::create(path, &header.notes(), plan)?);
+                        file = Some(RecordingFile::create(path, header, plan)?);
                     }
                     let Some(open) = file.as_mut() else { continue };
                     // a sample missed by the device is also lost, and shows as a gap in time
@@ -191,14 +192,14 @@ pub struct RecordingFile {
 }
 
 impl RecordingFile {
-    /// Creates the file. `heads` are the metadata lines of the stream's header.
+    /// Creates the file, with the units of the device and the metadata of the stream's header.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn create(path: &Path, heads: &[(String, String)], plan: &Plan) -> Result<Self> {
+    pub fn create(path: &Path, header: &Header, plan: &Plan) -> Result<Self> {
         let file = File::create(files::part(path)).map_err(|e| FileError::unwritable(path, &e))?;
         let mut out = BufWriter::new(file);
-        write_head(&mut out, heads, plan).map_err(|e| FileError::unwritable(path, &e))?;
+        write_head(&mut out, header, plan).map_err(|e| FileError::unwritable(path, &e))?;
         let (created, clock) = (Instant::now(), ClockRatio::default());
         Ok(Self { path: path.to_owned(), out, samples: 0, created, flushed: created, clock })
     }
@@ -245,16 +246,24 @@ impl RecordingFile {
 }
 
 /// Metadata lines and the header of a recording.
-fn write_head(out: &mut impl Write, notes: &[(String, String)], plan: &Plan) -> std::io::Result<()> {
+fn write_head(out: &mut impl Write, header: &Header, plan: &Plan) -> std::io::Result<()> {
     writeln!(out, "# recorded_by: tribos {}", env!("CARGO_PKG_VERSION"))?;
     if let Some(motion) = &plan.motion {
         writeln!(out, "# move: {} {} {}", motion.wave.id(), motion.amplitude, motion.frequency)?;
     }
-    for (key, value) in plan.notes.iter().chain(notes) {
+    let mut heads = header.notes();
+    heads.retain(|(key, _)| plan.notes.iter().all(|(newer, _)| newer != key));
+    for (key, value) in plan.notes.iter().chain(&heads) {
         // a line break in a note would end the comment
         writeln!(out, "# {key}: {}", value.replace(['\n', '\r'], " "))?;
     }
-    writeln!(out, "time_s,position_m,velocity_m_s,acceleration_m_s2,force_n,command_n,reference_m")
+    let columns = match header.geometry() {
+        Geometry::Linear => "time_s,position_m,velocity_m_s,acceleration_m_s2,force_n,command_n,reference_m",
+        Geometry::Rotary => {
+            "time_s,position_rad,velocity_rad_s,acceleration_rad_s2,torque_nm,command_nm,reference_rad"
+        }
+    };
+    writeln!(out, "{columns}")
 }
 
 /// One sample, with more digits than any sensor resolves.
