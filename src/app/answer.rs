@@ -186,6 +186,7 @@ pub(super) fn denied(why: Denied, fault: Option<FaultKind>, out: &mut Line) {
 }
 
 /// `status` without its first word.
+#[inline(never)]
 pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Result {
     let o = &t.outputs;
     let load = Text(device.load.to_si(t.inputs.load_code));
@@ -204,6 +205,7 @@ pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Res
 }
 
 /// The result of a search for the stops in one line.
+#[inline(never)]
 pub(super) fn homed(homed: Homed, device: &Device, out: &mut Line) -> fmt::Result {
     let (scale, unit) = match device.geometry {
         Geometry::Linear => (1e3, "mm"),
@@ -248,6 +250,7 @@ fn force_places(device: &Device) -> usize {
 }
 
 /// The result of an identification in one line.
+#[inline(never)]
 pub(super) fn identified(found: &Identified, geometry: Geometry, out: &mut Line) -> fmt::Result {
     out.write_str("! identified: ")?;
     let levels = [("D_p", found.static_p), ("D_n", found.static_n)];
@@ -283,6 +286,7 @@ pub(super) fn identified(found: &Identified, geometry: Geometry, out: &mut Line)
 }
 
 /// A fault with its motion.
+#[inline(never)]
 pub(super) fn moment(f: &FaultReport, device: &Device, line: &mut Line) -> fmt::Result {
     let unit = |dimension: Dimension| dimension.unit(device.geometry);
     let (m, m_s, n) = (unit(Dimension::LENGTH), unit(Dimension::VELOCITY), unit(Dimension::FORCE));

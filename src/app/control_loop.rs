@@ -71,8 +71,13 @@ impl ControlLoop {
         }
     }
 
-    /// One control period. `raise` is a fault found by the board; it precedes `off`, which precedes requests of the tasks.
-    pub fn tick(&mut self, ends: &mut ControlEnds<'_>, inputs: &Inputs, raise: Option<FaultKind>) -> Outputs {
+    /// One control period. Turns the count of the inputs round if the encoder is reversed. `raise` is a fault found by the board; it precedes `off`, which precedes requests of the tasks.
+    pub fn tick(
+        &mut self,
+        ends: &mut ControlEnds<'_>,
+        inputs: &mut Inputs,
+        raise: Option<FaultKind>,
+    ) -> Outputs {
         let raise = raise.map(Request::Raise);
         let off = raise.is_none() && ends.off.obey();
         if off {
@@ -88,8 +93,7 @@ impl ControlLoop {
             (self.flip, self.command) = (flip(config.device()), Command::of(config.device()));
         }
         // minus the count, where it counts backwards
-        let count = (inputs.count ^ self.flip).wrapping_sub(self.flip);
-        let inputs = &Inputs { count, ..*inputs };
+        inputs.count = (inputs.count ^ self.flip).wrapping_sub(self.flip);
         let listens = raise.is_none() && !off && !configured && ends.requests.ready();
         let asked = if listens { ends.requests.peek() } else { None };
         let overtaken = asked.is_some() && self.overtaken > 0;

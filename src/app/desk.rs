@@ -11,6 +11,7 @@ use super::{DeskEnds, FaultReport, Handled, OriginReport, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
+use friction::Geometry;
 use haptics::number::Text;
 use haptics::{
     Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused, Request,
@@ -273,6 +274,12 @@ impl Desk {
         self.say(&line);
     }
 
+    /// A refusal in the units of this geometry. Not inlined: its text is written in ten places.
+    #[inline(never)]
+    fn refused(&mut self, refused: &Refused, geometry: Geometry) {
+        self.err("REFUSED", refused.on(geometry));
+    }
+
     fn err(&mut self, code: &str, why: impl core::fmt::Display) {
         let mut line = Line::new();
         answer::err(code, why, &mut line);
@@ -448,7 +455,7 @@ impl Desk {
             Calibrate::Save => match self.calibration.fit(&self.device) {
                 Ok((device, fits)) => match self.settings.build(&device) {
                     Ok(config) => self.reconfigure(config, Pending::Calibrated(device, fits), now, ends),
-                    Err(refused) => self.err("REFUSED", refused.on(self.device.geometry)),
+                    Err(refused) => self.refused(&refused, self.device.geometry),
                 },
                 Err((sensor, unfit)) => self.err("CALIBRATION", format_args!("{}: {unfit}", sensor.id())),
             },
@@ -558,7 +565,7 @@ impl Desk {
                     let pending = Pending::Move(excitation, self.watch.seconds);
                     self.drive(Request::Excite(excitation), pending, now, ends);
                 }
-                Err(refused) => self.err("REFUSED", refused.on(self.device.geometry)),
+                Err(refused) => self.refused(&refused, self.device.geometry),
             },
             Command::Identify => {
                 let procedure = Procedure::of(&self.device);
@@ -686,7 +693,7 @@ impl Desk {
                     .map_or("", |(_, unit, _)| unit);
                 self.ok(format_args!("limit {name} {} {unit}", Text(value)));
             }
-            Err(refused) => self.err("REFUSED", refused.on(self.device.geometry)),
+            Err(refused) => self.refused(&refused, self.device.geometry),
         }
     }
 
@@ -720,7 +727,7 @@ impl Desk {
             Ok((warning, config)) => {
                 self.reconfigure(config, Pending::Settings { settings, name, warning }, now, ends);
             }
-            Err(refused) => self.err("REFUSED", refused.on(self.device.geometry)),
+            Err(refused) => self.refused(&refused, self.device.geometry),
         }
     }
 
@@ -732,11 +739,12 @@ impl Desk {
         let device = Device { period: 1.0 / hz as f32, ..self.device };
         match self.settings.build(&device) {
             Ok(config) => self.reconfigure(config, Pending::Rate(device), now, ends),
-            Err(refused) => self.err("REFUSED", refused.on(self.device.geometry)),
+            Err(refused) => self.refused(&refused, self.device.geometry),
         }
     }
 
     /// Settings of the device, checked together.
+    #[inline(never)]
     fn set_device(&mut self, pairs: &[Option<(&str, &str)>], now: u32, ends: &mut DeskEnds<'_>) {
         let mut device = self.device;
         for (name, value) in pairs.iter().flatten() {
@@ -747,7 +755,7 @@ impl Desk {
         }
         if let Err(refused) = device.check(|name| pairs.iter().flatten().any(|(changed, _)| *changed == name))
         {
-            return self.err("REFUSED", refused.on(device.geometry));
+            return self.refused(&refused, device.geometry);
         }
         let mut what = heapless::String::new();
         for (name, _) in pairs.iter().flatten() {
@@ -759,6 +767,7 @@ impl Desk {
     }
 
     /// Changes the device while nothing moves. A contact that it cannot render is replaced.
+    #[inline(never)]
     fn change_device(
         &mut self,
         device: Device,
@@ -780,7 +789,7 @@ impl Desk {
                 let pending = Pending::Device { device, what, scaled };
                 self.reconfigure(config.on_new_device(), pending, now, ends);
             }
-            Err(refused) => self.err("REFUSED", refused.on(device.geometry)),
+            Err(refused) => self.refused(&refused, device.geometry),
         }
     }
 

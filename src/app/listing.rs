@@ -108,6 +108,7 @@ fn setting(device: &Device, at: usize, out: &mut impl Write) -> fmt::Result {
 }
 
 /// Value of a setting of the device with its unit.
+#[inline(never)]
 pub(super) fn value(device: &Device, name: &str, out: &mut impl Write) -> fmt::Result {
     match device.get(name) {
         Some(DeviceValue::Geometry(Geometry::Linear)) => out.write_str("linear"),

@@ -135,7 +135,7 @@ const LATE_STEPS: u32 = 3;
 
 impl Loop {
     fn step(&mut self) {
-        let inputs = self.hardware.sample();
+        let mut inputs = self.hardware.sample();
         let amplifier = self.hardware.amplifier_fault.is_open(self.hardware.enabled);
         let trouble = if self.hardware.emergency_stop.is_open(true) {
             Some(FaultKind::EmergencyStop)
@@ -150,7 +150,7 @@ impl Loop {
         self.raised = trouble.is_some() && !self.raised;
         let raise = self.pending.take().or(if self.raised { trouble } else { None });
         let step = self.control.steps();
-        let outputs = self.control.tick(&mut self.ends, &inputs, raise);
+        let outputs = self.control.tick(&mut self.ends, &mut inputs, raise);
         let command = self.control.command();
         self.hardware.drive(outputs.force, &command, outputs.amplifier && trouble.is_none());
         black_box::note(step, &outputs);

@@ -626,8 +626,8 @@ impl VirtualDevice {
     pub fn tick(&mut self) {
         let (mut control_ends, mut desk_ends) = self.queues.split();
         for _ in 0..self.board.periods_in_ms() {
-            let inputs = self.board.sample();
-            self.outputs = self.control.tick(&mut control_ends, &inputs, None);
+            let mut inputs = self.board.sample();
+            self.outputs = self.control.tick(&mut control_ends, &mut inputs, None);
             self.board.drive(&self.outputs, &self.control.command());
             if self.board.set_period(self.control.period_ticks()) {
                 break;

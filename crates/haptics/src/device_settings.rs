@@ -88,7 +88,7 @@ pub enum DeviceValue {
 impl Device {
     /// Value of a setting; `None` for an unknown name.
     #[must_use]
-    #[inline(never)] // once in flash, not at every call
+    #[inline(never)]
     pub fn get(&self, name: &str) -> Option<DeviceValue> {
         Some(DeviceValue::Number(match name {
             "geometry" => return Some(DeviceValue::Geometry(self.geometry)),
@@ -110,7 +110,7 @@ impl Device {
     ///
     /// # Errors
     /// Unknown name, or no value of it. Nothing has changed.
-    #[inline(never)] // once in flash, not at every call
+    #[inline(never)]
     pub fn set<'a>(&mut self, name: &'a str, value: &'a str) -> Result<(), SetError<'a>> {
         let fail = |why| SetError { name, value, why };
         if name == "geometry" {
@@ -201,7 +201,7 @@ impl Device {
     }
 
     /// Checks one setting against the others.
-    #[inline(never)] // once in flash, not at every call
+    #[inline(never)]
     fn check_one(&self, setting: &DeviceSetting) -> Result<(), Refused> {
         let Some(DeviceValue::Number(value)) = self.get(setting.name) else { return Ok(()) };
         let Some((low, high, why)) = self.range(setting.name) else { return Ok(()) };

@@ -9,7 +9,6 @@ impl Settings {
     ///
     /// # Errors
     /// [`Refused`]: the first refused parameter, with the number that would be accepted.
-    #[inline(never)] // once in flash, not at every call
     pub fn build(&self, device: &Device) -> Result<Config, Refused> {
         self.validate(device)?;
         Ok(Config::new(self, device))

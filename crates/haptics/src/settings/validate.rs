@@ -76,7 +76,6 @@ impl Settings {
     /// # Errors
     /// [`Refused`] for an unsafe value: NaN, a force above the limit of the actuator, friction that would add energy, a
     /// coupling outside its stability bounds.
-    #[inline(never)] // once in flash, not at every call
     pub fn validate(&self, device: &Device) -> Result<Option<Warning>, Refused> {
         self.levels(device)?;
         within("dv", self.dv, SLOWEST, device.overspeed, "m/s; treated as zero below it")?;
