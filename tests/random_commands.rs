@@ -1,0 +1,327 @@
+//! An hour of random commands, faults, resets and power cuts on the virtual device. After each: the force is within its limits, no
+//! preset is lost, and every state has the way out that it states.
+#![cfg(not(target_os = "none"))]
+
+mod common;
+
+use common::Bench;
+use haptics::{Device, ModeId};
+use plant::RigConfig;
+use std::collections::BTreeMap;
+use tribos_firmware::board::simulated::{VirtualConfig, VirtualDevice};
+
+/// SplitMix64: the same numbers on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() % n as u64) as usize
+    }
+
+    fn pick<'a>(&mut self, words: &[&'a str]) -> &'a str {
+        words[self.below(words.len())]
+    }
+}
+
+const NUMBERS: &[&str] = &[
+    "0", "1", "-1", "0.5", "2", "0.01", "1e-3", "1e-4", "3.3", "8000", "15", "60", "1e9", "-1e9", "NaN",
+    "inf", "x", "", "0.005", "0.02", "30", "1000", "5000", "20000",
+];
+const PARAMETERS: &[&str] = &[
+    "f_static",
+    "f_dynamic",
+    "f_static_p",
+    "damping",
+    "dv",
+    "mass",
+    "k_vc",
+    "b_vc",
+    "sigma",
+    "sigma_1",
+    "law",
+    "renderer",
+    "passivity",
+    "stribeck.force_p",
+    "cogging",
+    "nothing",
+];
+const WORDS: &[&str] =
+    &["karnopp", "dahl", "lugre", "coulomb", "on", "off", "impedance", "stopping_force", "virtual_coupling"];
+const PRESETS: &[&str] = &["brass", "rubber", "teflon", "viscous", "a", "b", "identified", "nowhere"];
+const SETTINGS: &[&str] = &[
+    "stroke",
+    "resolution",
+    "mass",
+    "damping",
+    "overspeed",
+    "force_max",
+    "force_gain",
+    "load_gain",
+    "accel_gain",
+];
+
+/// A line that a person, a script or noise types.
+fn line(r: &mut Random) -> String {
+    let number = |r: &mut Random| r.pick(NUMBERS);
+    match r.below(26) {
+        0 | 1 => "render on".into(),
+        2 => "render off".into(),
+        3 => "home".into(),
+        4 => "zero".into(),
+        5 => "clear".into(),
+        6 => format!("set {} {}", r.pick(PARAMETERS), number(r)),
+        7 => format!("set {} {}", r.pick(PARAMETERS), r.pick(WORDS)),
+        8 => format!("preset use {}", r.pick(PRESETS)),
+        9 => format!("preset {} {}", r.pick(&["show", "default", "use"]), r.pick(PRESETS)),
+        10 | 11 => {
+            let wave = r.pick(&["sine", "multisine", "chirp", "triangle", "dwell", "square"]);
+            let (amplitude, frequency) =
+                (r.pick(&["0.01", "0.005", "0.014", "1", "-1"]), r.pick(&["0.5", "2", "5", "100"]));
+            format!("move {wave} {amplitude} {frequency} {}", number(r))
+        }
+        12 => "identify".into(),
+        13 => "selftest".into(),
+        14 => r.pick(&["stop", "off", "status", "fault", "version", "get", "help", "device", "limit"]).into(),
+        15 => format!("stream {} {}", r.pick(&["on", "off"]), number(r)),
+        16 => format!("rate {}", number(r)),
+        17 => format!("calibrate {} {}", r.pick(&["load", "accel", "save", "discard", "status"]), number(r)),
+        18 => format!("watch {} {}", number(r), r.pick(&["", "render", "x"])),
+        19 => format!(
+            "limit {} {}",
+            r.pick(&["unexplained_force", "continuous_force", "heating", "x"]),
+            number(r)
+        ),
+        20 => format!("device set {} {}", r.pick(SETTINGS), number(r)),
+        // near the device that is there
+        21 => format!(
+            "device set {}",
+            r.pick(&["mass 0.7", "damping 7", "overspeed 0.9", "force_max 9", "stroke 0.0322"])
+        ),
+        22 => format!(
+            "sim hand {}",
+            r.pick(&["off", "hold", "at 0.01", "at -0.005", "push 3", "push -15", "sine 0.01 2"])
+        ),
+        23 => format!("sim block {}", r.pick(&["none", "brass", "teflon", "rubber"])),
+        24 => {
+            let wire = r.pick(&["encoder", "load", "accel", "amplifier", "command"]);
+            format!("sim wire {wire} {}", r.pick(&["right", "right", "swapped", "dead", "floating"]))
+        }
+        _ => (0..r.below(40)).map(|_| char::from(b' ' + (r.next() % 95) as u8)).collect(),
+    }
+}
+
+/// What a run must find again: the saved presets.
+type Shelf = BTreeMap<String, Vec<String>>;
+
+struct Run {
+    bench: Bench,
+    shelf: Shelf,
+    seed: u64,
+    log: Vec<String>,
+    milliseconds: u64,
+}
+
+impl Run {
+    fn new(seed: u64) -> Self {
+        let mut run = Self {
+            bench: Bench::new(RigConfig::free_handle(), seed),
+            shelf: Shelf::new(),
+            seed,
+            log: Vec::new(),
+            milliseconds: 0,
+        };
+        for (name, command) in [("a", "set f_static 1.9"), ("b", "set damping 3")] {
+            run.ask("preset use brass");
+            run.ask(command);
+            run.ask(&format!("preset save {name}"));
+            let shown = run.ask(&format!("preset show {name}"));
+            run.shelf.insert(name.into(), shown);
+        }
+        run
+    }
+
+    /// Fails with the last commands, to be typed again.
+    fn fail(&self, what: &str) -> ! {
+        let from = self.log.len().saturating_sub(40);
+        panic!("seed {}, {} ms: {what}\n{}", self.seed, self.milliseconds, self.log[from..].join("\n"));
+    }
+
+    /// Advances, and checks every period.
+    fn pass(&mut self, ms: u32) -> Vec<String> {
+        let mut lines = Vec::new();
+        for _ in 0..ms {
+            lines.extend(self.bench.run(1));
+            self.milliseconds += 1;
+            let (outputs, device) = (*self.bench.device.outputs(), self.bench.device.device());
+            let most = match outputs.mode {
+                _ if !outputs.amplifier => 0.0,
+                ModeId::Rendering if !outputs.referenced => device.unreferenced_force(),
+                _ => device.force_max,
+            };
+            // in the millisecond that changes it, either limit holds
+            let most = if outputs.mode == ModeId::Rendering {
+                most.max(outputs.force.abs().min(device.force_max))
+            } else {
+                most
+            };
+            if !(outputs.force.abs() <= most) || !outputs.position.is_finite() {
+                self.fail(&format!("{outputs:?}, at most {most} N"));
+            }
+            if !outputs.referenced && outputs.mode.is_driven() && outputs.mode != ModeId::Homing {
+                self.fail("driven while unreferenced");
+            }
+        }
+        for line in &lines {
+            self.log.push(format!("    {line}"));
+        }
+        lines
+    }
+
+    /// Types a line and waits for its answer.
+    fn ask(&mut self, command: &str) -> Vec<String> {
+        self.log.push(command.to_owned());
+        self.bench.device.write(format!("{command}\n").as_bytes());
+        let mut lines = Vec::new();
+        for _ in 0..4_000 {
+            lines.extend(self.pass(1));
+            let Some(at) = lines.iter().position(|line| link::reply::is_answer(line)) else { continue };
+            let end = at + 1 + link::reply::lines_to_follow(&lines[at]);
+            if lines.len() >= end {
+                return lines[at..end].to_vec();
+            }
+        }
+        self.fail(&format!("`{command}` was not answered"));
+    }
+
+    fn say(&mut self, command: &str) -> String {
+        self.ask(command).swap_remove(0)
+    }
+
+    /// Power goes and comes back.
+    fn cut(&mut self) {
+        self.log.push("-- power cut".into());
+        let config = VirtualConfig { seed: self.seed, rig: RigConfig::free_handle() };
+        let old = VirtualDevice::new(&config).expect("the rig");
+        let flash = std::mem::replace(&mut self.bench.device, old).power_off();
+        match VirtualDevice::with_flash(&config, flash) {
+            Ok(device) => self.bench.device = device,
+            Err(why) => self.fail(&format!("does not start: {why}")),
+        }
+        self.bench.forget_line();
+        self.pass(100);
+        let outputs = self.bench.device.outputs();
+        if outputs.mode != ModeId::Idle || outputs.referenced || outputs.amplifier {
+            self.fail(&format!("after a start: {outputs:?}"));
+        }
+    }
+
+    /// Nothing saved is lost, unless the device is another one.
+    fn check_presets(&mut self) {
+        for (name, shown) in self.shelf.clone() {
+            let found = self.ask(&format!("preset show {name}"));
+            if found != shown {
+                self.fail(&format!("preset {name}: {found:?}, saved {shown:?}"));
+            }
+        }
+    }
+
+    /// The way out that the book states: `off`, hands off, wiring right, `clear`, `device reset`, `home`; then it renders.
+    fn way_out(&mut self) {
+        self.log.push("-- way out".into());
+        for wire in ["encoder", "load", "accel", "amplifier", "command"] {
+            self.say(&format!("sim wire {wire} right"));
+        }
+        for command in [
+            "off",
+            "stream off",
+            "sim hand off",
+            "sim block none",
+            "sim tilt level",
+            "sim hang 0",
+            "calibrate discard",
+        ] {
+            self.say(command);
+        }
+        // offsets of the checks are learnt again, and the motor cools
+        self.pass(3_000);
+        let cleared = self.say("clear");
+        if cleared != "ok clear" {
+            let fault = self.say("fault");
+            self.fail(&format!("no way out of the fault: {cleared}, {fault}"));
+        }
+        for command in ["watch 30", "rate 1000", "device reset", "preset use brass"] {
+            let said = self.say(command);
+            if !said.starts_with("ok") {
+                self.fail(&format!("{command}: {said}"));
+            }
+        }
+        let said = self.say("home");
+        if !said.starts_with("ok") {
+            self.fail(&format!("home: {said}"));
+        }
+        let mut heard = Vec::new();
+        for _ in 0..30 {
+            heard.extend(self.pass(500));
+            if heard.iter().any(|line| line.starts_with("! ")) {
+                break;
+            }
+        }
+        if !heard.iter().any(|line| line.starts_with("! home")) {
+            self.fail(&format!("home: {heard:?}"));
+        }
+        for command in ["render on", "render off"] {
+            let said = self.say(command);
+            if !said.starts_with("ok render") {
+                self.fail(&format!("{command}: {said}"));
+            }
+        }
+    }
+}
+
+/// Random commands for this time.
+fn run(seed: u64, seconds: u64) {
+    let mut random = Random(seed);
+    let mut run = Run::new(seed);
+    let (mut commands, mut obeyed, mut cuts, mut faults) = (0, 0, 0, 0);
+    while run.milliseconds < 1_000 * seconds {
+        for _ in 0..60 {
+            let typed = line(&mut random);
+            commands += 1;
+            // an empty line has no answer
+            if typed.trim().is_empty() {
+                continue;
+            }
+            obeyed += u32::from(run.say(&typed).starts_with("ok"));
+            let longest = if random.below(8) == 0 { 3_000 } else { 120 };
+            run.pass(random.below(longest) as u32);
+            faults += u32::from(run.bench.device.mode() == ModeId::Fault);
+            if random.below(40) == 0 {
+                run.cut();
+                cuts += 1;
+            }
+        }
+        run.way_out();
+        run.check_presets();
+    }
+    println!(
+        "seed {seed}: {commands} commands, {obeyed} obeyed, {faults} times in a fault, {cuts} power cuts, {} s",
+        run.milliseconds / 1_000
+    );
+    assert!(cuts > 0 && faults > 0 && obeyed > commands / 4);
+    assert_eq!(run.bench.device.device().stroke, Device::default().stroke);
+}
+
+#[test]
+fn random_commands_leave_a_way_out() {
+    // an hour in all
+    for seed in 1..=20 {
+        run(seed, 180);
+    }
+}
