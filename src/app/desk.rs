@@ -454,8 +454,8 @@ impl Desk {
                 self.calibration.discard();
                 self.ok(format_args!("calibrate discard: no points"));
             }
-            _ if self.last.is_none_or(|t| t.outputs.mode != ModeId::Idle) => {
-                self.err("BUSY", "calibrate is accepted while idle: `stop`, or `clear` a fault, first");
+            _ if !self.is_off() => {
+                self.err("BUSY", "calibrate is accepted with the amplifier off: `stop` first")
             }
             Calibrate::Point(sensor, value) => self.calibration.begin(sensor, value),
             Calibrate::Save => match self.calibration.fit(&self.device) {
@@ -670,6 +670,11 @@ impl Desk {
         }
     }
 
+    /// Whether the amplifier is off and stays off: idle, or a fault, whose way out may be another setting.
+    fn is_off(&self) -> bool {
+        matches!(self.last_mode(), Some(ModeId::Idle | ModeId::Fault))
+    }
+
     fn last_mode(&self) -> Option<ModeId> {
         self.last.map(|t| t.outputs.mode)
     }
@@ -781,12 +786,10 @@ impl Desk {
         now: u32,
         ends: &mut DeskEnds<'_>,
     ) {
-        let at_rest = |t: &Telemetry| {
-            t.outputs.mode == ModeId::Idle && t.outputs.velocity.abs() <= self.device.rest_speed
-        };
-        if !self.last.as_ref().is_some_and(at_rest) {
+        let rests = |t: &Telemetry| t.outputs.velocity.abs() <= self.device.rest_speed;
+        if !(self.is_off() && self.last.as_ref().is_some_and(rests)) {
             return self
-                .err("BUSY", "the device is set while idle and at rest: `stop`, or `clear` a fault, first");
+                .err("BUSY", "the device is set at rest, with the amplifier off: `stop`, hands off, first");
         }
         let fits = self.settings.validate(&device).is_ok();
         let scaled = if fits { None } else { Settings::brass().scaled_to(&device) };
