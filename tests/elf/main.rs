@@ -21,6 +21,7 @@ mod off;
 mod origin;
 mod plot;
 mod power_up;
+mod random_commands;
 mod random_inputs;
 mod random_readings;
 mod rate;
@@ -28,6 +29,8 @@ mod rendering;
 mod safety;
 mod selftest;
 mod track;
+#[path = "../common/typist.rs"]
+mod typist;
 mod velocity;
 
 use board::{Board, TOOLCHAIN};
@@ -100,6 +103,9 @@ fn main() -> ExitCode {
             velocity::pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale,
         ]
         .needing(&TOOLCHAIN),
+        tests![random_commands::random_commands_leave_a_way_out]
+            .needing(&TOOLCHAIN)
+            .on_demand("five virtual minutes take more than two; -- --ignored random_commands"),
         tests![mutations::a_wrong_build_of_the_board_is_seen]
             .needing(&TOOLCHAIN)
             .on_demand("builds the firmware eight times; a step of .ci/run"),
