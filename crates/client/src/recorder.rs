@@ -274,3 +274,60 @@ fn write_row(out: &mut impl Write, s: &Sample) -> std::io::Result<()> {
         s.time, s.position, s.velocity, s.acceleration, s.force, s.command, s.reference
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::Calibration;
+    use link::Mechanics;
+    use signals::{ReadOptions, Recording};
+
+    #[test]
+    fn a_rotary_device_is_recorded_in_radians() {
+        let path = std::env::temp_dir().join(format!("tribos-rotary-{}.csv", std::process::id()));
+        let header = Header {
+            calibration: Calibration {
+                tick_hz: 170e6,
+                metre_per_count: 7.67e-4,
+                origin_count: 0,
+                load_offset: 32_768.0,
+                load_unit: -1.5e-5,
+                accel_offset: 32_768.0,
+                accel_unit: 0.1,
+            },
+            decimation: 1,
+            period: 1e-3,
+            preset: "brass".into(),
+            mechanics: Mechanics {
+                rotary: true,
+                stroke: 2.0,
+                mass: 1e-4,
+                damping: 1e-3,
+                force_max: 0.2,
+                overspeed: 60.0,
+            },
+        };
+        let plan = Plan { motion: None, seconds: 1.0, notes: Vec::new() };
+        let mut file = RecordingFile::create(&path, &header, &plan).unwrap();
+        for k in 0..100 {
+            let time = 1e-3 * f64::from(k);
+            file.write(&Sample { time, position: 0.1 * time, force: 0.05, ..Sample::default() }).unwrap();
+        }
+        file.finish(0).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let read = Recording::read(&path, &ReadOptions::default()).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        println!("{}", text.lines().take(10).collect::<Vec<_>>().join("\n"));
+        assert!(text.contains(
+            "\ntime_s,position_rad,velocity_rad_s,acceleration_rad_s2,torque_nm,command_nm,reference_rad\n"
+        ));
+        assert!(
+            text.contains("# radian_per_count: 0.000767\n") && text.contains("# newton_metre_per_code: ")
+        );
+        assert_eq!((read.geometry, read.force[50]), (Geometry::Rotary, 0.05));
+        // the limits of the device, not of the default one
+        let device = header.device();
+        assert_eq!((device.stroke, device.force_max, device.geometry), (2.0, 0.2, Geometry::Rotary));
+        assert!(device.tracking_stiffness < 1.0);
+    }
+}

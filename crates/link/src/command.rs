@@ -6,6 +6,7 @@ use haptics::{Excitation, Wave};
 
 /// A command to the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub enum Command<'a> {
     /// `help`
     Help,
@@ -116,6 +117,7 @@ pub const MAX_PAIRS: usize = haptics::DEVICE_SETTINGS.len();
 
 /// `device …`
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub enum DeviceCommand<'a> {
     /// `device`
     Show,
