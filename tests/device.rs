@@ -13,7 +13,7 @@ const KNOB: &str = "geometry rotary stroke 2 resolution -0.00076699 mass 0.0001 
                     force_max 0.2 force_gain -0.15 load_gain -0.3 accel_gain 2000";
 
 fn last(lines: &[String]) -> &str {
-    lines.iter().map(String::as_str).filter(|line| line.starts_with('!')).next_back().unwrap_or("")
+    lines.iter().map(String::as_str).rfind(|line| line.starts_with('!')).unwrap_or("")
 }
 
 /// The knob, with a firmware that was told.

@@ -3,7 +3,7 @@
 use crate::excitation::Timing;
 use crate::settings::MAX_EFFECTS;
 use crate::{Biquad, Device, RendererKind, Settings};
-use crate::{homing, safety, silence};
+use crate::{homing, silence};
 use friction::effects::{Effect, EffectKind};
 use friction::{Law, Scalar};
 
@@ -91,8 +91,8 @@ impl Config {
             silence: silence::Bounds::new(device),
             homing: homing::Bounds::new(device),
             unreferenced_force: device.unreferenced_force(),
-            driven: device.length(safety::DRIVEN),
-            held: device.length(safety::HELD),
+            driven: device.driven_margin(),
+            held: device.held_margin(),
             new_device: false,
         }
     }

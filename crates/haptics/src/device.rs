@@ -134,6 +134,18 @@ impl Device {
         self.force(of_default) / (self.stroke / STROKE)
     }
 
+    /// Distance beyond a stop, m, at which a driven handle faults: before it.
+    #[must_use]
+    pub fn driven_margin(&self) -> f32 {
+        self.length(-0.5e-3)
+    }
+
+    /// The same of a handle that is held, which reaches the stops in normal use: beyond them.
+    #[must_use]
+    pub fn held_margin(&self) -> f32 {
+        self.length(1e-3)
+    }
+
     /// The device with what follows from its settings: limits at rest, gains of the excitation, largest acceleration.
     #[must_use]
     pub fn derived(self) -> Self {

@@ -55,7 +55,7 @@ impl State {
             origin: 0,
             referenced: false,
             force_limit: device.unreferenced_force(),
-            reach: device.stroke + device.length(safety::HELD),
+            reach: device.stroke + device.held_margin(),
             homed: Homed::Interrupted,
             estimator: Estimator::default(),
             guard: Guard::default(),
@@ -75,7 +75,7 @@ impl State {
     /// The same, referenced: count 0 is the middle of the stroke.
     #[must_use]
     pub fn referenced(device: &Device) -> Self {
-        let reach = 0.5 * device.stroke + device.length(safety::HELD);
+        let reach = 0.5 * device.stroke + device.held_margin();
         Self { referenced: true, force_limit: device.force_max, reach, ..Self::new(device) }
     }
 
