@@ -107,25 +107,25 @@ impl Device {
     /// A length of the default device on this one, m: the same share of the stroke.
     #[must_use]
     pub fn length(&self, of_default: f32) -> f32 {
-        of_default * (self.stroke / STROKE)
+        self.stroke * (of_default / STROKE)
     }
 
     /// A speed of the default device on this one, m/s: the same share of the overspeed.
     #[must_use]
     pub fn speed(&self, of_default: f32) -> f32 {
-        of_default * (self.overspeed / OVERSPEED)
+        self.overspeed * (of_default / OVERSPEED)
     }
 
     /// A force of the default device on this one, N: the same share of the largest force.
     #[must_use]
     pub fn force(&self, of_default: f32) -> f32 {
-        of_default * (self.force_max / FORCE_MAX)
+        self.force_max * (of_default / FORCE_MAX)
     }
 
     /// A mass of the default device on this one, kg. Stiffness and damping that keep their time constants scale alike.
     #[must_use]
     pub fn inertia(&self, of_default: f32) -> f32 {
-        of_default * (self.mass / MASS)
+        self.mass * (of_default / MASS)
     }
 
     /// A stiffness of the default device on this one, N/m: the same share of force over stroke.
