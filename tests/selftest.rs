@@ -129,8 +129,8 @@ fn weights_calibrate_the_load_cell() {
         let text = saved.split(after).nth(1).and_then(|rest| rest.split_whitespace().next());
         text.and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
     };
-    let load_error = gain("load: ") * 1.08 / f64::from(device.load.unit_per_code) - 1.0;
-    let accel_error = gain("accel: ") * 0.94 / f64::from(device.accel.unit_per_code) - 1.0;
+    let load_error = gain("load: ") * 1.08 / f64::from(device.sheet.load.unit_per_code) - 1.0;
+    let accel_error = gain("accel: ") * 0.94 / f64::from(device.sheet.accel.unit_per_code) - 1.0;
     println!("gain off by {:.3} % and {:.3} %", 100.0 * load_error, 100.0 * accel_error);
     assert!(load_error.abs() < 0.003 && accel_error.abs() < 0.01);
     bench.say("sim hang 5");
@@ -168,7 +168,7 @@ fn bad_calibration_points_are_refused() {
     bench.say("calibrate load -5");
     bench.say("sim hang 0");
     bench.say("calibrate load 0");
-    refuse(&mut bench, "calibrate save", "CALIBRATION: load: the code falls as the value rises");
+    refuse(&mut bench, "calibrate save", "CALIBRATION: load: the code runs against the sign of its gain");
     bench.say("calibrate discard");
     for (hung, told) in [("0", "0"), ("5", "5"), ("10", "11")] {
         bench.say(&format!("sim hang {hung}"));

@@ -1,10 +1,10 @@
 //! Answers to requests that the control loop has handled, and the wording of single answers.
 
-use super::Telemetry;
 use super::calibrate::{Fits, describe};
 use super::line::{Line, err};
+use super::{FaultReport, Telemetry};
 use core::fmt::{self, Write};
-use friction::Unit;
+use friction::{Dimension, Geometry, Unit};
 use haptics::number::Text;
 use haptics::{Denied, Device, Excitation, FaultKind, Homed, Identified, ModeId, Settings, Warning};
 use heapless::String;
@@ -16,6 +16,8 @@ use link::{Name, Sensor};
 pub(super) enum Pending {
     /// New settings: a preset, or one changed parameter.
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
+    /// Settings of the device, what changed, and the parameters that replace a contact which it cannot render.
+    Device { device: Device, what: String<200>, scaled: Option<Settings> },
     /// A calibration: the device with its channels, and their description.
     Calibrated(Device, Fits),
     /// The push of the self-test, which has no answer of its own.
@@ -51,36 +53,45 @@ pub(super) enum Named {
 
 impl Pending {
     /// The `ok` line. `during` is the mode before the request.
-    pub fn write(&self, during: ModeId, out: &mut Line) -> fmt::Result {
+    pub fn write(&self, during: ModeId, device: &Device, out: &mut Line) -> fmt::Result {
+        let unit = |dimension: Dimension| dimension.unit(device.geometry);
         match self {
             Self::Settings { settings, name, warning } => {
                 out.write_str("ok ")?;
                 if let Some(warning) = warning {
-                    return write!(out, "warn: {warning}");
+                    return write!(out, "warn: {}", warning.on(device.geometry));
                 }
                 match name {
                     Named::Preset(name) => write!(out, "{name}"),
-                    Named::Parameter(name) => value(settings, name, out),
+                    Named::Parameter(name) => value(settings, name, device.geometry, out),
+                }
+            }
+            Self::Device { what, scaled, .. } => {
+                write!(out, "device{what}; unreferenced: `home`, or `zero` in the middle")?;
+                match scaled {
+                    Some(_) => out.write_str("; the preset does not fit it: brass at its scale"),
+                    None => Ok(()),
                 }
             }
             Self::Calibrated(device, fits) => {
                 out.write_str("calibrate")?;
-                describe(Sensor::Load, &device.load, fits[0].as_ref(), out)?;
-                describe(Sensor::Accel, &device.accel, fits[1].as_ref(), out)
+                describe(Sensor::Load, device, fits[0].as_ref(), out)?;
+                describe(Sensor::Accel, device, fits[1].as_ref(), out)
             }
             Self::Push => Ok(()),
             Self::Rate(device) => write!(out, "ok rate {:.0} Hz", Text(1.0 / device.period)),
             Self::Render(true, Some(most)) => write!(
                 out,
-                "ok warn: unreferenced: at most {:.2} N; `home`, or `zero` in the middle, gives all of it",
-                Text(*most)
+                "ok warn: unreferenced: at most {:.2} {}; `home`, or `zero` in the middle, gives all of it",
+                Text(*most),
+                unit(Dimension::FORCE)
             ),
             Self::Render(on, _) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
             Self::Zero => out.write_str("ok zero: the handle is in the middle of its stroke"),
             Self::Home => out.write_str("ok home: slowly to both stops, hands off; the result follows"),
             Self::Move(e, watch) => {
                 let (wave, amplitude, frequency) = (e.wave.id(), Text(e.amplitude_m), Text(e.frequency_hz));
-                write!(out, "ok move {wave} {amplitude} m {frequency} Hz")?;
+                write!(out, "ok move {wave} {amplitude} {} {frequency} Hz", unit(Dimension::LENGTH))?;
                 if e.seconds > 0.0 {
                     write!(out, " for {} s", Text(e.seconds))?;
                 } else {
@@ -126,8 +137,8 @@ fn switched_off(during: ModeId) -> &'static str {
 }
 
 /// `dv 0.007 m/s`
-pub(super) fn value(settings: &Settings, name: &str, out: &mut Line) -> fmt::Result {
-    let unit = unit(name);
+pub(super) fn value(settings: &Settings, name: &str, geometry: Geometry, out: &mut Line) -> fmt::Result {
+    let unit = unit(name, geometry);
     match (settings.get(name), unit) {
         (Some(value), Some(unit)) => write!(out, "{name} {value} {unit}"),
         (Some(value), None) => write!(out, "{name} {value}"),
@@ -135,15 +146,19 @@ pub(super) fn value(settings: &Settings, name: &str, out: &mut Line) -> fmt::Res
     }
 }
 
-fn unit(name: &str) -> Option<Unit> {
-    use friction::Geometry::Linear;
+fn unit(name: &str, geometry: Geometry) -> Option<Unit> {
     use friction::effects::EffectKind;
     use haptics::settings::{ALIASES, PARAMETERS};
     if let Some((id, parameter)) = name.split_once('.') {
         let kind = EffectKind::from_id(id)?;
-        return kind.gains().iter().chain(kind.shape()).find(|p| p.name == parameter).map(|p| p.unit(Linear));
+        return kind
+            .gains()
+            .iter()
+            .chain(kind.shape())
+            .find(|p| p.name == parameter)
+            .map(|p| p.unit(geometry));
     }
-    PARAMETERS.iter().chain(ALIASES).find(|p| p.name == name)?.unit()
+    PARAMETERS.iter().chain(ALIASES).find(|p| p.name == name)?.unit(geometry)
 }
 
 /// A request that was denied.
@@ -157,26 +172,35 @@ pub(super) fn denied(why: Denied, fault: Option<FaultKind>, out: &mut Line) {
 }
 
 /// `status` without its first word.
+#[inline(never)]
 pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Result {
     let o = &t.outputs;
     let load = Text(device.load.to_si(t.inputs.load_code));
+    let unit = |dimension: Dimension| dimension.unit(device.geometry);
+    let (m, m_s, n) = (unit(Dimension::LENGTH), unit(Dimension::VELOCITY), unit(Dimension::FORCE));
     write!(
         out,
-        "handle {:.6} m {:.4} m/s, block {:.6} m {}, load {load:.3} N, force {:.3} N",
+        "handle {:.6} {m} {:.4} {m_s}, block {:.6} {m} {}, load {load:.places$} {n}, force {:.places$} {n}",
         Text(o.position),
         Text(o.velocity),
         Text(o.block_position),
         if o.stuck { "stuck" } else { "free" },
         Text(o.force),
+        places = force_places(device),
     )
 }
 
 /// The result of a search for the stops in one line.
+#[inline(never)]
 pub(super) fn homed(homed: Homed, device: &Device, out: &mut Line) -> fmt::Result {
-    let millimetre = |metre: f32| Text(1e3 * metre);
+    let (scale, unit) = match device.geometry {
+        Geometry::Linear => (1e3, "mm"),
+        Geometry::Rotary => (1.0, "rad"),
+    };
+    let millimetre = |metre: f32| Text(scale * metre);
     if let Homed::Middle { stroke } = homed {
         let stroke = millimetre(stroke);
-        return write!(out, "! home: stroke {stroke:.2} mm, the handle is in the middle");
+        return write!(out, "! home: stroke {stroke:.2} {unit}, the handle is in the middle");
     }
     out.write_str("! no home: ")?;
     match homed {
@@ -185,12 +209,12 @@ pub(super) fn homed(homed: Homed, device: &Device, out: &mut Line) -> fmt::Resul
             let (measured, least, most) = (millimetre(measured), millimetre(least), millimetre(most));
             write!(
                 out,
-                "stops {measured:.2} mm apart: accepted from {least:.2} to {most:.2}; remove what blocks the handle, hands off"
+                "stops {measured:.2} {unit} apart: accepted from {least:.2} to {most:.2}; remove what blocks the handle, hands off"
             )?;
         }
         Homed::NoStop => {
             let (_, most) = Homed::accepted(device);
-            write!(out, "no stop within {:.2} mm: this is not the device's stroke", millimetre(most))?;
+            write!(out, "no stop within {:.2} {unit}: this is not the device's stroke", millimetre(most))?;
         }
         Homed::TooFast => out.write_str(
             "the handle moved faster than a search; hands off, and check the wiring by `zero` and `selftest`",
@@ -201,22 +225,43 @@ pub(super) fn homed(homed: Homed, device: &Device, out: &mut Line) -> fmt::Resul
     out.write_str("; still unreferenced")
 }
 
+/// 10 to this power.
+fn powi(places: usize) -> f32 {
+    (0..places).fold(1.0, |power, _| 10.0 * power)
+}
+
+/// Places of a printed force: those of millinewtons, or more for a device of less than 1 N.
+fn force_places(device: &Device) -> usize {
+    if device.force_max < 1.0 { 5 } else { 3 }
+}
+
 /// The result of an identification in one line.
-pub(super) fn identified(found: &Identified, out: &mut Line) -> fmt::Result {
+#[inline(never)]
+pub(super) fn identified(found: &Identified, geometry: Geometry, out: &mut Line) -> fmt::Result {
     out.write_str("! identified: ")?;
     let levels = [("D_p", found.static_p), ("D_n", found.static_n)];
-    for (name, estimate, unit) in [
-        ("mass", found.mass, "kg"),
-        ("C_p", found.coulomb_p, "N"),
-        ("C_n", found.coulomb_n, "N"),
-        ("b_p", found.viscous_p, "N s/m"),
-        ("b_n", found.viscous_n, "N s/m"),
-        ("dv", found.delta_v, "m/s"),
+    for (name, estimate, dimension) in [
+        ("mass", found.mass, Dimension::MASS),
+        ("C_p", found.coulomb_p, Dimension::FORCE),
+        ("C_n", found.coulomb_n, Dimension::FORCE),
+        ("b_p", found.viscous_p, Dimension::DAMPING),
+        ("b_n", found.viscous_n, Dimension::DAMPING),
+        ("dv", found.delta_v, Dimension::VELOCITY),
     ]
     .into_iter()
-    .chain(levels.into_iter().filter_map(|(name, level)| Some((name, level?, "N"))))
+    .chain(levels.into_iter().filter_map(|(name, level)| Some((name, level?, Dimension::FORCE))))
     {
-        write!(out, "{name} {:.4} ± {:.4} {unit}, ", Text(estimate.value), Text(estimate.std))?;
+        // a deviation shows a digit that is not 0
+        let places = (4..9).find(|places| estimate.std * powi(*places) >= 1.0).unwrap_or(4);
+        write!(
+            out,
+            "{name} {:.*} ± {:.*} {}, ",
+            places,
+            Text(estimate.value),
+            places,
+            Text(estimate.std),
+            dimension.unit(geometry)
+        )?;
     }
     for (name, level) in levels {
         if level.is_none() {
@@ -224,4 +269,16 @@ pub(super) fn identified(found: &Identified, out: &mut Line) -> fmt::Result {
         }
     }
     write!(out, "relative error {:.2} %, {} samples", Text(100.0 * found.relative_error), found.used)
+}
+
+/// A fault with its motion.
+#[inline(never)]
+pub(super) fn moment(f: &FaultReport, device: &Device, line: &mut Line) -> fmt::Result {
+    let unit = |dimension: Dimension| dimension.unit(device.geometry);
+    let (m, m_s, n) = (unit(Dimension::LENGTH), unit(Dimension::VELOCITY), unit(Dimension::FORCE));
+    let (kind, step, during) = (f.kind, f.step, f.during.id());
+    write!(line, "{kind} at step {step} while {during}: ")?;
+    let (position, velocity, force) = (Text(f.position), Text(f.velocity), Text(f.force));
+    let places = force_places(device);
+    write!(line, "handle {position:.6} {m} {velocity:.4} {m_s}, force {force:.places$} {n}")
 }

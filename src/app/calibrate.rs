@@ -6,6 +6,7 @@
 use super::Telemetry;
 use super::line::{Line, err};
 use core::fmt::{self, Write};
+use friction::Geometry;
 use haptics::number::Text;
 use haptics::{Channel, Device, Inputs};
 use heapless::Vec;
@@ -25,6 +26,8 @@ const APART: u16 = 100;
 const GAIN: f32 = 0.2;
 /// Largest deviation of the code of zero from the data sheet, codes.
 const OFFSET: f32 = 8_000.0;
+/// The same for the force command: 1 % of its range.
+const COMMAND_OFFSET: f32 = 41.0;
 /// Largest deviation of a point from the line, as a share of the span of the points.
 const STRAIGHT: f32 = 0.01;
 
@@ -85,7 +88,7 @@ impl fmt::Display for Unfit {
                 f.write_str("needs two points with different values, for example no weight and a weight")
             }
             Self::Backwards => f.write_str(
-                "the code falls as the value rises: exchange the signal wires, or the sign of the values",
+                "the code runs against the sign of its gain: exchange the signal wires, or `device set` the gain with the other sign",
             ),
             Self::Gain { found, nominal } => {
                 let found = Text(found);
@@ -124,7 +127,7 @@ fn fit(points: &[Point], nominal: &Channel, one_will_do: bool) -> Result<Fit, Un
     } else {
         return Err(Unfit::Few);
     };
-    if !(slope > 0.0) {
+    if !(slope * nominal.unit_per_code > 0.0) {
         return Err(Unfit::Backwards);
     }
     let channel = Channel { offset_code: code - slope * value, unit_per_code: 1.0 / slope };
@@ -245,7 +248,7 @@ impl Calibration {
         } else {
             // a repeated value replaces the point
             points.retain(|p| p.value != value);
-            let (name, unit) = (average.sensor.id(), average.sensor.unit());
+            let (name, unit) = (average.sensor.id(), average.sensor.unit(device.geometry));
             if points.push(Point { value, code }).is_err() {
                 let _ =
                     write!(out, "all {POINTS} points are in use: `calibrate save` or `calibrate discard`");
@@ -264,15 +267,16 @@ impl Calibration {
     }
 
     /// The device with the calibration of the points, and its description.
-    pub fn fit(&self, device: &Device, nominal: &Device) -> Result<(Device, Fits), (Sensor, Unfit)> {
+    pub fn fit(&self, device: &Device) -> Result<(Device, Fits), (Sensor, Unfit)> {
         let mut calibrated = *device;
         let mut fits = [None; 2];
         if !self.load.is_empty() {
-            let found = fit(&self.load, &nominal.load, false).map_err(|unfit| (Sensor::Load, unfit))?;
+            let found = fit(&self.load, &device.sheet.load, false).map_err(|unfit| (Sensor::Load, unfit))?;
             (calibrated.load, fits[0]) = (found.channel, Some(found));
         }
         if !self.accel.is_empty() {
-            let found = fit(&self.accel, &nominal.accel, true).map_err(|unfit| (Sensor::Accel, unfit))?;
+            let found =
+                fit(&self.accel, &device.sheet.accel, true).map_err(|unfit| (Sensor::Accel, unfit))?;
             (calibrated.accel, fits[1]) = (found.channel, Some(found));
         }
         if self.load.is_empty() && self.accel.is_empty() {
@@ -283,37 +287,105 @@ impl Calibration {
     }
 }
 
-/// Bytes of a stored calibration: the format, then offset and gain of load cell and accelerometer.
-const STORED: usize = 17;
-const FORMAT: u8 = 1;
+/// Bytes of a stored device: the format, its signs, its settings, and the calibration of its channels.
+const STORED: usize = 2 + 4 * 15;
+/// Format 1 has offset and gain of load cell and accelerometer only.
+const FORMAT: u8 = 2;
+const ROTARY: u8 = 1;
+const REVERSED: u8 = 2;
 
-/// The calibration of a device as an item of persistent memory.
+/// Settings and calibration of a device as an item of persistent memory.
 pub(super) fn encode(device: &Device) -> [u8; STORED] {
     let mut item = [FORMAT; STORED];
-    let numbers = [device.load, device.accel].map(|c| [c.offset_code, c.unit_per_code]);
-    for (to, number) in item[1..].chunks_exact_mut(4).zip(numbers.as_flattened()) {
+    let rotary = if device.geometry == Geometry::Rotary { ROTARY } else { 0 };
+    item[1] = rotary | if device.encoder_reversed { REVERSED } else { 0 };
+    let sheet = &device.sheet;
+    let settings = [
+        device.stroke,
+        device.metre_per_count,
+        device.mass,
+        device.damping,
+        device.overspeed,
+        device.force_max,
+        sheet.command.unit_per_code,
+        sheet.load.unit_per_code,
+        sheet.accel.unit_per_code,
+    ];
+    let channels = [device.command, device.load, device.accel].map(|c| [c.offset_code, c.unit_per_code]);
+    for (to, number) in item[2..].chunks_exact_mut(4).zip(settings.iter().chain(channels.as_flattened())) {
         to.copy_from_slice(&number.to_le_bytes());
     }
     item
 }
 
-/// The device with a stored calibration. `None` if this is none, or not plausible for this device.
-pub(super) fn decode(item: &[u8], nominal: &Device) -> Option<Device> {
-    let (FORMAT, numbers) = item.split_first().map(|(format, rest)| (*format, rest))? else { return None };
-    let numbers: &[u8; STORED - 1] = numbers.try_into().ok()?;
-    let mut numbers = numbers.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
-    let mut channel = |nominal: &Channel| {
-        let channel = Channel { offset_code: numbers.next()?, unit_per_code: numbers.next()? };
-        plausible(&channel, nominal).ok().map(|()| channel)
+/// The stored device on this board. `None` if the item is none, or not plausible.
+pub(super) fn decode(item: &[u8], board: &Device) -> Option<Device> {
+    let (format, rest) = item.split_first()?;
+    let (signs, numbers) = match format {
+        1 => (None, rest),
+        &FORMAT => rest.split_first().map(|(signs, rest)| (Some(*signs), rest))?,
+        _ => return None,
     };
-    Some(Device { load: channel(&nominal.load)?, accel: channel(&nominal.accel)?, ..*nominal })
+    let (numbers, []) = numbers.as_chunks::<4>() else { return None };
+    if numbers.len() != if signs.is_some() { 15 } else { 4 } {
+        return None;
+    }
+    let mut numbers = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    let mut device = *board;
+    if let Some(signs) = signs {
+        device.geometry = if signs & ROTARY != 0 { Geometry::Rotary } else { Geometry::Linear };
+        device.encoder_reversed = signs & REVERSED != 0;
+        for to in [
+            &mut device.stroke,
+            &mut device.metre_per_count,
+            &mut device.mass,
+            &mut device.damping,
+            &mut device.overspeed,
+            &mut device.force_max,
+            &mut device.sheet.command.unit_per_code,
+            &mut device.sheet.load.unit_per_code,
+            &mut device.sheet.accel.unit_per_code,
+        ] {
+            *to = numbers.next()?;
+        }
+        if device != *board {
+            device = device.derived();
+        }
+        device.check(|_| false).ok()?;
+    }
+    let mut channel = |sheet: &Channel, near: fn(&Channel, &Channel) -> Result<(), Unfit>| {
+        let channel = Channel { offset_code: numbers.next()?, unit_per_code: numbers.next()? };
+        near(&channel, sheet).ok().map(|()| channel)
+    };
+    if signs.is_some() {
+        device.command = channel(&device.sheet.command, plausible_command)?;
+    }
+    device.load = channel(&device.sheet.load, plausible)?;
+    device.accel = channel(&device.sheet.accel, plausible)?;
+    Some(device)
 }
 
-/// Whether a channel is near that of the data sheet.
-fn plausible(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
-    if !((channel.unit_per_code / nominal.unit_per_code - 1.0).abs() <= GAIN) {
-        return Err(Unfit::Gain { found: channel.unit_per_code, nominal: nominal.unit_per_code });
+/// Whether the gain of a channel is near that of the data sheet.
+fn plausible_gain(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
+    if (channel.unit_per_code / nominal.unit_per_code - 1.0).abs() <= GAIN {
+        Ok(())
+    } else {
+        Err(Unfit::Gain { found: channel.unit_per_code, nominal: nominal.unit_per_code })
     }
+}
+
+/// The same for the force command, whose codes have 12 bits.
+fn plausible_command(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
+    plausible_gain(channel, nominal)?;
+    if !((channel.offset_code - nominal.offset_code).abs() <= COMMAND_OFFSET) {
+        return Err(Unfit::Offset { found: channel.offset_code, nominal: nominal.offset_code });
+    }
+    Ok(())
+}
+
+/// Whether a channel of a sensor is near that of the data sheet.
+fn plausible(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
+    plausible_gain(channel, nominal)?;
     if !((channel.offset_code - nominal.offset_code).abs() <= OFFSET) {
         return Err(Unfit::Offset { found: channel.offset_code, nominal: nominal.offset_code });
     }
@@ -321,8 +393,12 @@ fn plausible(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
 }
 
 /// `; load: 0.0013574 N per code, zero at 32768.0, 2 points within 0.0 codes`
-pub(super) fn describe(sensor: Sensor, channel: &Channel, fit: Option<&Fit>, out: &mut Line) -> fmt::Result {
-    let (name, unit) = (sensor.id(), sensor.unit());
+pub(super) fn describe(sensor: Sensor, device: &Device, fit: Option<&Fit>, out: &mut Line) -> fmt::Result {
+    let channel = match sensor {
+        Sensor::Load => &device.load,
+        Sensor::Accel => &device.accel,
+    };
+    let (name, unit) = (sensor.id(), sensor.unit(device.geometry));
     let (gain, zero) = (Text(channel.unit_per_code), Text(channel.offset_code));
     write!(out, "; {name}: {gain:.7} {unit} per code, zero at {zero:.1}")?;
     match fit {

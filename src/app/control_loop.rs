@@ -2,7 +2,30 @@
 
 use super::{ControlEnds, FaultReport, Handled, OriginReport, Telemetry};
 use haptics::streaming_identify::NUMBERS;
-use haptics::{Config, Denied, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
+use haptics::{Config, Denied, Device, FaultKind, Inputs, ModeId, Outputs, Request, State, step};
+
+/// How a force becomes a code of the output.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Command {
+    /// Code of no force.
+    pub zero: f32,
+    /// Newtons per code, negative if the amplifier is reversed.
+    pub newton_per_code: f32,
+    /// The inverse.
+    pub code_per_newton: f32,
+}
+
+impl Command {
+    fn of(device: &Device) -> Self {
+        let newton_per_code = device.command.unit_per_code;
+        Self { zero: device.command.offset_code, newton_per_code, code_per_newton: 1.0 / newton_per_code }
+    }
+}
+
+/// All ones if the encoder of the device counts backwards.
+fn flip(device: &Device) -> u32 {
+    if device.encoder_reversed { u32::MAX } else { 0 }
+}
 
 /// The control step with its queues. Never blocks: telemetry that finds no room is dropped, which shows as a gap in the step
 /// numbers.
@@ -13,6 +36,9 @@ pub struct ControlLoop {
     /// Whether the first configuration of the queue is in use.
     replaced: bool,
     period_ticks: u32,
+    /// All ones if the encoder counts backwards.
+    flip: u32,
+    command: Command,
     step: u32,
     mode: ModeId,
     /// Origin of the last report.
@@ -33,6 +59,8 @@ impl ControlLoop {
         Self {
             state: State::new(config.device()),
             period_ticks: config.period_ticks(),
+            flip: flip(config.device()),
+            command: Command::of(config.device()),
             first: config,
             replaced: false,
             step: 0,
@@ -43,8 +71,13 @@ impl ControlLoop {
         }
     }
 
-    /// One control period. `raise` is a fault found by the board; it precedes `off`, which precedes requests of the tasks.
-    pub fn tick(&mut self, ends: &mut ControlEnds<'_>, inputs: &Inputs, raise: Option<FaultKind>) -> Outputs {
+    /// One control period. Turns the count of the inputs round if the encoder is reversed. `raise` is a fault found by the board; it precedes `off`, which precedes requests of the tasks.
+    pub fn tick(
+        &mut self,
+        ends: &mut ControlEnds<'_>,
+        inputs: &mut Inputs,
+        raise: Option<FaultKind>,
+    ) -> Outputs {
         let raise = raise.map(Request::Raise);
         let off = raise.is_none() && ends.off.obey();
         if off {
@@ -57,7 +90,10 @@ impl ControlLoop {
             let period_ticks = config.period_ticks();
             self.state.reconfigured(period_ticks != self.period_ticks);
             self.period_ticks = period_ticks;
+            (self.flip, self.command) = (flip(config.device()), Command::of(config.device()));
         }
+        // minus the count, where it counts backwards
+        inputs.count = (inputs.count ^ self.flip).wrapping_sub(self.flip);
         let listens = raise.is_none() && !off && !configured && ends.requests.ready();
         let asked = if listens { ends.requests.peek() } else { None };
         let overtaken = asked.is_some() && self.overtaken > 0;
@@ -138,6 +174,12 @@ impl ControlLoop {
     #[must_use]
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// How the force of the last step becomes a code of the output.
+    #[must_use]
+    pub fn command(&self) -> Command {
+        self.command
     }
 
     /// Timer ticks to the next step, from the present configuration.

@@ -6,21 +6,22 @@ mod storing;
 use super::answer::{self, Named, Pending};
 use super::calibrate::{self, Calibration, describe};
 use super::line::{self, Line};
-use super::listing::Listing;
+use super::listing::{self, Listing};
 use super::selftest::{Progress, SelfTest};
 use super::stream::Stream;
 use super::{DeskEnds, FaultReport, Handled, OriginReport, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
+use friction::Geometry;
 use haptics::number::Text;
 use haptics::{
     Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused, Request,
     Settings, Solver,
 };
 use link::{
-    BadLine, CALIBRATION_KEY, Calibrate, Command, IDENTIFIED, LineEditor, MAX_LINE, Name, OffDetector,
-    PresetStore, Sensor, Watch,
+    BadLine, CALIBRATION_KEY, Calibrate, Command, DeviceCommand, IDENTIFIED, LineEditor, MAX_LINE, Name,
+    OffDetector, PresetStore, Sensor, Watch,
 };
 use storing::{Keeping, Saving, outcome};
 
@@ -101,7 +102,7 @@ impl Desk {
             listing: None,
             selftest: None,
             calibration: Calibration::default(),
-            solver: Solver::new(&device, &Procedure::default()),
+            solver: Solver::new(&device, &Procedure::of(&device)),
             stream: None,
             last: None,
             origin: 0,
@@ -111,7 +112,7 @@ impl Desk {
             unseen: 0,
             watch: Watch { seconds: WATCH_S, rendering: false },
             monitor: Monitor::default(),
-            limits: Limits::default(),
+            limits: Limits::of(&device),
             alarm: None,
             heard: false,
             promised_ms: 0,
@@ -125,6 +126,12 @@ impl Desk {
     /// The first preset does not suit this device.
     pub fn config(&self) -> Result<Config, Refused> {
         self.settings.build(&self.device)
+    }
+
+    /// The device with its settings and calibration.
+    #[must_use]
+    pub fn device(&self) -> &Device {
+        &self.device
     }
 
     /// Output that waits for the serial line.
@@ -213,7 +220,7 @@ impl Desk {
         if matches!(self.pending, Some((Pending::Off, _))) && !ends.off.is_asked() {
             self.pending = None;
             let mut line = Line::new();
-            let _ = Pending::Off.write(ends.off.take_ended(), &mut line);
+            let _ = Pending::Off.write(ends.off.take_ended(), &self.device, &mut line);
             self.say(&line);
         }
         while let Some(telemetry) = ends.telemetry.dequeue() {
@@ -257,13 +264,25 @@ impl Desk {
         self.output.line(line);
     }
 
+    #[inline(never)]
     fn ok(&mut self, text: core::fmt::Arguments<'_>) {
         let mut line = Line::new();
         let _ = write!(line, "ok {text}");
         self.say(&line);
     }
 
+    /// A refusal in the units of this geometry.
+    #[inline(never)] // answers are written at a hundred places; inlined, they take 30 kB of flash
+    fn refused(&mut self, refused: &Refused, geometry: Geometry) {
+        self.err("REFUSED", refused.on(geometry));
+    }
+
     fn err(&mut self, code: &str, why: impl core::fmt::Display) {
+        self.err_text(code, format_args!("{why}"));
+    }
+
+    #[inline(never)]
+    fn err_text(&mut self, code: &str, why: core::fmt::Arguments<'_>) {
         let mut line = Line::new();
         line::err(code, why, &mut line);
         self.say(&line);
@@ -291,7 +310,7 @@ impl Desk {
             answer::denied(*why, self.fault_kind(), &mut line);
         } else {
             // a long line is truncated
-            let _ = pending.write(*during, &mut line);
+            let _ = pending.write(*during, &self.device, &mut line);
             match pending {
                 Pending::Settings { settings, name, .. } => {
                     self.settings = settings;
@@ -301,6 +320,19 @@ impl Desk {
                     }
                 }
                 Pending::Rate(device) => self.device = device,
+                Pending::Device { device, scaled, .. } => {
+                    if let Some(settings) = scaled {
+                        (self.settings, self.changed) = (settings, true);
+                        self.preset = Name::try_from(FIRST).unwrap_or_default();
+                    }
+                    self.replaced(device);
+                    self.calibration.discard();
+                    if let Some(stream) = &mut self.stream {
+                        stream.restart();
+                    }
+                    self.keeping = Some(Keeping { answer: line, since: None });
+                    return;
+                }
                 Pending::Clear => {
                     self.fault = None;
                     self.cleared = true;
@@ -331,7 +363,7 @@ impl Desk {
         let mut line = Line::new();
         match result {
             Ok(found) => {
-                let _ = answer::identified(&found, &mut line);
+                let _ = answer::identified(&found, self.device.geometry, &mut line);
                 self.say(&line);
                 line.clear();
                 let settings = found.to_settings(&self.settings, &self.device);
@@ -340,7 +372,9 @@ impl Desk {
                         self.presets.set_identified(&settings);
                         write!(line, "! preset {IDENTIFIED}: `preset use {IDENTIFIED}` renders it")
                     }
-                    Err(refused) => write!(line, "! this device cannot render it: {refused}"),
+                    Err(refused) => {
+                        write!(line, "! this device cannot render it: {}", refused.on(self.device.geometry))
+                    }
                 };
             }
             Err(why) => {
@@ -403,27 +437,27 @@ impl Desk {
         self.listing = Some((Listing::Checks(checks), 0));
     }
 
-    fn calibrate(&mut self, step: Calibrate, now: u32, ends: &mut DeskEnds<'_>, board: &impl Board) {
+    fn calibrate(&mut self, step: Calibrate, now: u32, ends: &mut DeskEnds<'_>) {
         match step {
             Calibrate::Status => {
                 let mut line = Line::new();
                 let _ = line.write_str("ok calibrate status");
-                let _ = describe(Sensor::Load, &self.device.load, None, &mut line);
-                let _ = describe(Sensor::Accel, &self.device.accel, None, &mut line);
+                let _ = describe(Sensor::Load, &self.device, None, &mut line);
+                let _ = describe(Sensor::Accel, &self.device, None, &mut line);
                 self.say(&line);
             }
             Calibrate::Discard => {
                 self.calibration.discard();
                 self.ok(format_args!("calibrate discard: no points"));
             }
-            _ if self.last.is_none_or(|t| t.outputs.mode != ModeId::Idle) => {
-                self.err("BUSY", "calibrate is accepted while idle: `stop`, or `clear` a fault, first");
+            _ if !self.is_off() => {
+                self.err("BUSY", "calibrate is accepted with the amplifier off: `stop` first")
             }
             Calibrate::Point(sensor, value) => self.calibration.begin(sensor, value),
-            Calibrate::Save => match self.calibration.fit(&self.device, &board.device()) {
+            Calibrate::Save => match self.calibration.fit(&self.device) {
                 Ok((device, fits)) => match self.settings.build(&device) {
                     Ok(config) => self.reconfigure(config, Pending::Calibrated(device, fits), now, ends),
-                    Err(refused) => self.err("REFUSED", refused),
+                    Err(refused) => self.refused(&refused, self.device.geometry),
                 },
                 Err((sensor, unfit)) => self.err("CALIBRATION", format_args!("{}: {unfit}", sensor.id())),
             },
@@ -432,7 +466,7 @@ impl Desk {
 
     fn calibrated(&mut self, device: Device) {
         self.device = device;
-        self.solver = Solver::new(&self.device, &Procedure::default());
+        self.solver = Solver::new(&self.device, &Procedure::of(&self.device));
     }
 
     /// Stores a calibration that came into use, and answers once that is done.
@@ -462,7 +496,7 @@ impl Desk {
                 return;
             }
             let mut line = Line::new();
-            let _ = listing.write(*at, board, &mut line);
+            let _ = listing.write(*at, &self.device, board, &mut line);
             *at += 1;
             self.output.line(&line);
         }
@@ -529,10 +563,10 @@ impl Desk {
                     let pending = Pending::Move(excitation, self.watch.seconds);
                     self.drive(Request::Excite(excitation), pending, now, ends);
                 }
-                Err(refused) => self.err("REFUSED", refused),
+                Err(refused) => self.refused(&refused, self.device.geometry),
             },
             Command::Identify => {
-                let procedure = Procedure::default();
+                let procedure = Procedure::of(&self.device);
                 let seconds = procedure.warm_up_s + procedure.record_s;
                 self.drive(Request::Identify(procedure), Pending::Identify(seconds), now, ends);
             }
@@ -547,10 +581,20 @@ impl Desk {
                 self.ok(format_args!("stream on, every {decimation} periods"));
                 self.stream = Some(Stream::new(decimation, self.preset.clone()));
             }
+            Command::Device(DeviceCommand::Show) => {
+                self.begin_list(format_args!("device"), Listing::Device, board);
+            }
+            Command::Device(DeviceCommand::Set(pairs)) => self.set_device(&pairs, now, ends),
+            Command::Device(DeviceCommand::Reset) => {
+                let device = Device { period: self.device.period, ..board.device() };
+                let mut what = heapless::String::new();
+                let _ = what.push_str(" reset");
+                self.change_device(device, what, now, ends);
+            }
             Command::Watch(watch) => self.watch(watch, ends),
             Command::Limit(None) => self.tell_limits(),
             Command::Limit(Some((name, value))) => self.limit(name, value),
-            Command::Calibrate(step) => self.calibrate(step, now, ends, board),
+            Command::Calibrate(step) => self.calibrate(step, now, ends),
             Command::Rate(None) => self.ok(format_args!("rate {:.0} Hz", Text(1.0 / self.device.period))),
             Command::Rate(Some(hz)) => self.rate(hz, now, ends),
             Command::SelfTest => match self.last.map(|t| (t.outputs.mode, t.outputs.referenced)) {
@@ -618,6 +662,11 @@ impl Desk {
         }
     }
 
+    /// Whether the amplifier is off and stays off: idle, or a fault, whose way out may be another setting.
+    fn is_off(&self) -> bool {
+        matches!(self.last_mode(), Some(ModeId::Idle | ModeId::Fault))
+    }
+
     fn last_mode(&self) -> Option<ModeId> {
         self.last.map(|t| t.outputs.mode)
     }
@@ -646,7 +695,7 @@ impl Desk {
                 self.limits = limits;
                 self.ok(format_args!("limit {name} {} {}", Text(value), limit.unit));
             }
-            Err(refused) => self.err("REFUSED", refused),
+            Err(refused) => self.refused(&refused, self.device.geometry),
         }
     }
 
@@ -661,7 +710,7 @@ impl Desk {
         }
         let mut line = Line::new();
         let _ = line.write_str("ok ");
-        let _ = answer::value(&self.settings, name, &mut line);
+        let _ = answer::value(&self.settings, name, self.device.geometry, &mut line);
         self.say(&line);
     }
 
@@ -680,7 +729,7 @@ impl Desk {
             Ok((warning, config)) => {
                 self.reconfigure(config, Pending::Settings { settings, name, warning }, now, ends);
             }
-            Err(refused) => self.err("REFUSED", refused),
+            Err(refused) => self.refused(&refused, self.device.geometry),
         }
     }
 
@@ -692,8 +741,62 @@ impl Desk {
         let device = Device { period: 1.0 / hz as f32, ..self.device };
         match self.settings.build(&device) {
             Ok(config) => self.reconfigure(config, Pending::Rate(device), now, ends),
-            Err(refused) => self.err("REFUSED", refused),
+            Err(refused) => self.refused(&refused, self.device.geometry),
         }
+    }
+
+    /// Settings of the device, checked together.
+    #[inline(never)]
+    fn set_device(&mut self, pairs: &[Option<(&str, &str)>], now: u32, ends: &mut DeskEnds<'_>) {
+        let mut device = self.device;
+        for (name, value) in pairs.iter().flatten() {
+            if let Err(wrong) = device.set(name, value) {
+                let known = device.get(name).is_some();
+                return self.err(if known { "VALUE" } else { "UNKNOWN_PARAMETER" }, wrong);
+            }
+        }
+        if let Err(refused) = device.check(|name| pairs.iter().flatten().any(|(changed, _)| *changed == name))
+        {
+            return self.refused(&refused, device.geometry);
+        }
+        let mut what = heapless::String::new();
+        for (name, _) in pairs.iter().flatten() {
+            // a long list is truncated
+            let _ = write!(what, " {name} ");
+            let _ = listing::value(&device, name, &mut what);
+        }
+        self.change_device(device, what, now, ends);
+    }
+
+    /// Changes the device while nothing moves. A contact that it cannot render is replaced.
+    #[inline(never)]
+    fn change_device(
+        &mut self,
+        device: Device,
+        what: heapless::String<200>,
+        now: u32,
+        ends: &mut DeskEnds<'_>,
+    ) {
+        let rests = |t: &Telemetry| t.outputs.velocity.abs() <= self.device.rest_speed;
+        if !(self.is_off() && self.last.as_ref().is_some_and(rests)) {
+            return self
+                .err("BUSY", "the device is set at rest, with the amplifier off: `stop`, hands off, first");
+        }
+        let fits = self.settings.validate(&device).is_ok();
+        let scaled = if fits { None } else { Settings::brass().scaled_to(&device) };
+        match scaled.unwrap_or(self.settings).build(&device) {
+            Ok(config) => {
+                let pending = Pending::Device { device, what, scaled };
+                self.reconfigure(config.on_new_device(), pending, now, ends);
+            }
+            Err(refused) => self.refused(&refused, device.geometry),
+        }
+    }
+
+    /// The device is another one.
+    pub(super) fn replaced(&mut self, device: Device) {
+        self.calibrated(device);
+        (self.limits, self.monitor) = (Limits::of(&device), Monitor::default());
     }
 
     /// Sends a configuration to the control loop. The answer follows once it is in use.
@@ -730,13 +833,12 @@ impl Desk {
         let _ = line.write_str("ok ");
         let _ = match self.fault {
             None => line.write_str("no fault"),
-            Some(f) => {
-                moment(&f, &mut line).and_then(|()| write!(line, "; {}; then `clear`", f.kind.explain()))
-            }
+            Some(f) => answer::moment(&f, &self.device, &mut line)
+                .and_then(|()| write!(line, "; {}; then `clear`", f.kind.explain())),
         };
         if let Some(earlier) = board.earlier() {
             let _ = line.write_str("; first, before the restart: ");
-            let _ = moment(&earlier.fault, &mut line);
+            let _ = answer::moment(&earlier.fault, &self.device, &mut line);
             if let Some((path, at)) = &earlier.panicked_at {
                 let _ = write!(line, ", panicked at {path}:{at}");
             }
@@ -746,14 +848,6 @@ impl Desk {
         }
         self.say(&line);
     }
-}
-
-/// Prints a fault with its motion.
-fn moment(f: &FaultReport, line: &mut Line) -> core::fmt::Result {
-    let (kind, step, during) = (f.kind, f.step, f.during.id());
-    write!(line, "{kind} at step {step} while {during}: ")?;
-    let (position, velocity, force) = (Text(f.position), Text(f.velocity), Text(f.force));
-    write!(line, "handle {position:.6} m {velocity:.4} m/s, force {force:.3} N")
 }
 
 /// Whether a command switches the force on.

@@ -2,11 +2,11 @@
 
 use crate::board::Board;
 use core::fmt::{self, Write};
-use friction::Geometry::Linear;
+use friction::Geometry;
 use friction::Unit;
 use friction::effects::EffectKind;
 use haptics::number::Text;
-use haptics::{Settings, settings};
+use haptics::{DEVICE_SETTINGS, Device, DeviceValue, Settings, settings};
 use link::HELP;
 
 /// An answer of several lines.
@@ -19,6 +19,8 @@ pub(super) enum Listing {
     Parameters(Settings),
     /// `selftest`
     Checks([super::selftest::Check; 5]),
+    /// `device`
+    Device,
 }
 
 impl Listing {
@@ -28,22 +30,28 @@ impl Listing {
             Self::Help => {
                 HELP.len() + board.help().len() + 1 + settings::PARAMETERS.len() + settings::ALIASES.len() + 1
             }
-            Self::Parameters(settings) => settings::PARAMETERS.len() + effect_parameters(settings).count(),
+            Self::Parameters(settings) => {
+                settings::PARAMETERS.len() + effect_parameters(settings, Geometry::Linear).count()
+            }
             Self::Checks(checks) => checks.len(),
+            Self::Device => DEVICE_SETTINGS.len(),
         }
     }
 
     /// Writes line `at`, from 0.
-    pub fn write(&self, at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
+    pub fn write(&self, at: usize, device: &Device, board: &impl Board, out: &mut impl Write) -> fmt::Result {
         match self {
-            Self::Help => help(at, board, out),
-            Self::Parameters(settings) => parameter(settings, at, out),
-            Self::Checks(checks) => checks.get(at).map_or(Ok(()), |check| write!(out, "  {check}")),
+            Self::Help => help(at, device.geometry, board, out),
+            Self::Parameters(settings) => parameter(settings, at, device.geometry, out),
+            Self::Checks(checks) => {
+                checks.get(at).map_or(Ok(()), |check| write!(out, "  {}", check.on(device.geometry)))
+            }
+            Self::Device => setting(device, at, out),
         }
     }
 }
 
-fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
+fn help(at: usize, geometry: Geometry, board: &impl Board, out: &mut impl Write) -> fmt::Result {
     let mut commands = HELP.iter().chain(board.help());
     let count = HELP.len() + board.help().len();
     if let Some(line) = commands.nth(at) {
@@ -51,7 +59,7 @@ fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
     }
     let Some(at) = at.checked_sub(count + 1) else { return write!(out, "  parameters:") };
     match settings::PARAMETERS.iter().chain(settings::ALIASES).nth(at) {
-        Some(p) => match p.unit() {
+        Some(p) => match p.unit(geometry) {
             Some(unit) => write!(out, "    {:<18} {unit:<6} {}", p.name, p.what),
             None => write!(out, "    {:<18} {:<6} {}", p.name, "-", p.what),
         },
@@ -66,24 +74,53 @@ fn help(at: usize, board: &impl Board, out: &mut impl Write) -> fmt::Result {
 }
 
 /// Name and unit of every parameter of the effects in use.
-fn effect_parameters(settings: &Settings) -> impl Iterator<Item = (&'static str, &'static str, Unit, f32)> {
-    settings.effects.iter().flatten().flat_map(|effect| {
+fn effect_parameters(
+    settings: &Settings,
+    geometry: Geometry,
+) -> impl Iterator<Item = (&'static str, &'static str, Unit, f32)> {
+    settings.effects.iter().flatten().flat_map(move |effect| {
         let kind = effect.kind;
         let gains = kind.gains().iter().zip(effect.gains);
         gains
             .chain(kind.shape().iter().zip(effect.shape))
-            .map(move |(p, x)| (kind.id(), p.name, p.unit(Linear), x))
+            .map(move |(p, x)| (kind.id(), p.name, p.unit(geometry), x))
     })
 }
 
-fn parameter(settings: &Settings, at: usize, out: &mut impl Write) -> fmt::Result {
+fn parameter(settings: &Settings, at: usize, geometry: Geometry, out: &mut impl Write) -> fmt::Result {
     let Some(p) = settings::PARAMETERS.get(at) else {
-        let besides = effect_parameters(settings).nth(at - settings::PARAMETERS.len());
+        let besides = effect_parameters(settings, geometry).nth(at - settings::PARAMETERS.len());
         return besides.map_or(Ok(()), |(id, name, unit, x)| write!(out, "  {id}.{name} {} {unit}", Text(x)));
     };
-    match (settings.get(p.name), p.unit()) {
+    match (settings.get(p.name), p.unit(geometry)) {
         (Some(value), None) => write!(out, "  {} {value}", p.name),
         (Some(value), Some(unit)) => write!(out, "  {} {value} {unit}", p.name),
         (None, _) => Ok(()),
+    }
+}
+
+/// One setting of the device.
+fn setting(device: &Device, at: usize, out: &mut impl Write) -> fmt::Result {
+    let Some(setting) = DEVICE_SETTINGS.get(at) else { return Ok(()) };
+    write!(out, "  {:<10} ", setting.name)?;
+    value(device, setting.name, out)?;
+    write!(out, "; {}", setting.what)
+}
+
+/// Value of a setting of the device with its unit.
+#[inline(never)]
+pub(super) fn value(device: &Device, name: &str, out: &mut impl Write) -> fmt::Result {
+    match device.get(name) {
+        Some(DeviceValue::Geometry(Geometry::Linear)) => out.write_str("linear"),
+        Some(DeviceValue::Geometry(Geometry::Rotary)) => out.write_str("rotary"),
+        Some(DeviceValue::Number(x)) => {
+            let setting = DEVICE_SETTINGS.iter().find(|setting| setting.name == name);
+            write!(out, "{}", Text(x))?;
+            match setting.and_then(|setting| Some((setting, setting.unit(device.geometry)?))) {
+                Some((setting, unit)) => write!(out, " {unit}{}", if setting.per_volt { "/V" } else { "" }),
+                None => Ok(()),
+            }
+        }
+        None => Ok(()),
     }
 }

@@ -13,7 +13,7 @@ mod selftest;
 mod stream;
 
 pub use contact::{Contact, Lamp};
-pub use control_loop::ControlLoop;
+pub use control_loop::{Command, ControlLoop};
 pub use desk::Desk;
 pub use off::{Listener, OffSwitch};
 pub use output::Output;

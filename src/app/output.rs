@@ -6,7 +6,7 @@ use heapless::Deque;
 const ROOM: usize = 2048;
 /// Bytes reserved for text, so that frames never displace messages.
 const FOR_TEXT: usize = 768;
-/// Largest number of waiting bytes at which a new command or line of a long answer starts. Below the size of the rest, so that
+/// Largest number of bytes up to the last text at which a new command or line of a long answer starts. Below the size of the rest, so that
 /// a flood of commands delays its own answers and never costs a frame.
 const BACKLOG: usize = 512;
 
@@ -14,13 +14,15 @@ const BACKLOG: usize = 512;
 #[derive(Debug, Clone, Default)]
 pub struct Output {
     bytes: Deque<u8, ROOM>,
+    /// Number of bytes to send until the last text is out.
+    text: usize,
 }
 
 impl Output {
     /// Whether the buffer is empty.
     #[must_use]
     pub const fn new() -> Self {
-        Self { bytes: Deque::new() }
+        Self { bytes: Deque::new(), text: 0 }
     }
 
     /// Next contiguous bytes to send. More may follow.
@@ -34,6 +36,7 @@ impl Output {
 
     /// Removes sent bytes of [`Self::front`].
     pub fn sent(&mut self, count: usize) {
+        self.text = self.text.saturating_sub(count);
         for _ in 0..count {
             if self.bytes.pop_front().is_none() {
                 break;
@@ -51,10 +54,10 @@ impl Output {
         ROOM - self.bytes.len()
     }
 
-    /// Whether the next answer should wait.
+    /// Whether the next answer should wait. Frames alone hold nothing up: a stream that fills the line could not be ended.
     #[must_use]
     pub(super) fn is_behind(&self) -> bool {
-        self.bytes.len() >= BACKLOG
+        self.text >= BACKLOG
     }
 
     /// Whether a line of this length fits, terminator included.
@@ -67,6 +70,7 @@ impl Output {
     pub(super) fn line(&mut self, line: &str) {
         self.put(line.as_bytes());
         self.put(b"\r\n");
+        self.text = self.bytes.len();
     }
 
     /// Appends a frame. False without room.

@@ -3,8 +3,10 @@
 
 use super::Telemetry;
 use core::fmt;
+use friction::{Dimension, Geometry};
 use haptics::number::Text;
 use haptics::{Channel, Device, ModeId};
+use link::Sensor;
 
 /// Control periods at rest.
 const PERIODS: u32 = 500;
@@ -14,7 +16,7 @@ const STILL: u32 = 2;
 const MOVED: u32 = 20;
 /// Longest push, control periods. It normally ends long before.
 const LONGEST: u32 = 40_000;
-/// Smallest acceleration per newton of the push, 1/kg: ten times the noise.
+/// Smallest acceleration per newton of the push, 1/kg, on the default device: ten times the noise.
 const ACCELERATES: f32 = 0.03;
 /// Smallest reading of the load cell per newton of the push: ten times the noise.
 const LOADS: f32 = 0.01;
@@ -58,6 +60,8 @@ struct Push {
     velocity: f32,
     start: u32,
     travel: u32,
+    /// [`ACCELERATES`] on this device.
+    least: f32,
     /// Sum of N², and of the products with the accelerations of encoder and accelerometer and with the load.
     force: f32,
     encoder: f32,
@@ -130,7 +134,7 @@ pub(super) enum Pushed {
     /// No push: a check at rest failed.
     NotTried,
     /// Motion of this size with this force.
-    Moved { millimetre: f32, newton: f32 },
+    Moved { metre: f32, newton: f32 },
     /// Motion in the wrong direction.
     Backwards,
     /// The load cell measured it and nothing moved.
@@ -143,10 +147,27 @@ pub(super) enum Pushed {
     Fault,
 }
 
-impl fmt::Display for Check {
+impl Check {
+    /// Its line, in the units of this geometry.
+    pub(super) fn on(&self, geometry: Geometry) -> impl fmt::Display {
+        OnDevice(*self, geometry)
+    }
+}
+
+/// A check in the units of a device.
+struct OnDevice(Check, Geometry);
+
+impl fmt::Display for OnDevice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.passed { "pass  " } else { "FAIL  " })?;
-        let advice = match self.finding {
+        let Self(check, geometry) = self;
+        let n = Dimension::FORCE.unit(*geometry);
+        // a slide moves by millimetres
+        let (scale, way) = match geometry {
+            Geometry::Linear => (1e3, "mm"),
+            Geometry::Rotary => (1.0, "rad"),
+        };
+        f.write_str(if check.passed { "pass  " } else { "FAIL  " })?;
+        let advice = match check.finding {
             Finding::Loop { unevenness_us } => {
                 write!(f, "loop: samples within {:.2} us of the period", Text(unevenness_us))?;
                 "; the processor misses its steps"
@@ -161,7 +182,7 @@ impl fmt::Display for Check {
                 }
             }
             Finding::LoadCell { newton, span, sign } => {
-                write!(f, "load cell: {:.3} N at rest, noise over {span} codes", Text(newton))?;
+                write!(f, "load cell: {:.3} {n} at rest, noise over {span} codes", Text(newton))?;
                 sign.write("reads", f)?;
                 match sign {
                     Sign::Wrong => "; exchange its two signal wires",
@@ -171,7 +192,8 @@ impl fmt::Display for Check {
             }
             Finding::Accelerometer { metre_per_second_squared, span, sign } => {
                 let a = Text(metre_per_second_squared);
-                write!(f, "accelerometer: {a:.2} m/s2 at rest, noise over {span} codes")?;
+                let unit = Sensor::Accel.unit(*geometry);
+                write!(f, "accelerometer: {a:.2} {unit} at rest, noise over {span} codes")?;
                 sign.write("reads", f)?;
                 match sign {
                     _ if span == 0 => "; no noise at all: check the connection",
@@ -185,30 +207,30 @@ impl fmt::Display for Check {
                     write!(f, "amplifier: no push tried ({periods_on} periods on at rest)")?;
                     "; repair the other failures, hands off, and repeat"
                 }
-                Pushed::Moved { millimetre, newton } => {
-                    let (newton, millimetre) = (Text(newton), Text(millimetre));
-                    write!(f, "amplifier: {newton:.2} N moved the handle by {millimetre:.2} mm, off again")?;
+                Pushed::Moved { metre, newton } => {
+                    let (newton, moved) = (Text(newton), Text(scale * metre));
+                    write!(f, "amplifier: {newton:.2} {n} moved the handle by {moved:.2} {way}, off again")?;
                     "; more acceleration than this force can give: check its gain"
                 }
                 Pushed::Backwards => "amplifier: pushes in the wrong direction; exchange the motor wires",
                 Pushed::Held { newton } => {
-                    write!(f, "amplifier: {:.2} N at the load cell, no motion", Text(newton))?;
+                    write!(f, "amplifier: {:.2} {n} at the load cell, no motion", Text(newton))?;
                     "; handle held or blocked: release it and repeat"
                 }
                 Pushed::Nothing { newton } => {
-                    write!(f, "amplifier: up to {:.2} N without any response", Text(newton))?;
+                    write!(f, "amplifier: up to {:.2} {n} without any response", Text(newton))?;
                     "; check enable, supply and motor wires, or release a blocked handle"
                 }
                 Pushed::Unseen { newton } => {
-                    write!(f, "amplifier: {:.2} N at the accelerometer, off again", Text(newton))?;
+                    write!(f, "amplifier: {:.2} {n} at the accelerometer, off again", Text(newton))?;
                     ""
                 }
                 Pushed::Fault => "amplifier: a fault ended the push; see `fault`",
             },
         };
         let unsaid =
-            matches!(self.finding, Finding::Amplifier { push: Pushed::Backwards | Pushed::Fault, .. });
-        if self.passed && !unsaid { Ok(()) } else { f.write_str(advice) }
+            matches!(check.finding, Finding::Amplifier { push: Pushed::Backwards | Pushed::Fault, .. });
+        if check.passed && !unsaid { Ok(()) } else { f.write_str(advice) }
     }
 }
 
@@ -259,7 +281,11 @@ impl SelfTest {
             && self.force_on == 0
             && self.load.si(&device.load).abs() <= device.rest_force;
         if rests {
-            self.push = Some(Push { start: t.inputs.count, ..Push::default() });
+            self.push = Some(Push {
+                start: t.inputs.count,
+                least: ACCELERATES / device.inertia(1.0),
+                ..Push::default()
+            });
             Progress::Push
         } else {
             Progress::Done
@@ -280,6 +306,8 @@ impl SelfTest {
         let same = encoder == Sign::NotJudged
             || accel != Sign::Right
             || (0.7..1.3).contains(&(push.accel.abs() / push.encoder.abs().max(1e-9)));
+        // gravity, and half of it again; on an axis it is no acceleration
+        let tilted = if device.geometry == Geometry::Linear { 15.0 } else { 0.03 * device.acceleration_max };
         let light = push.force < 0.4 * device.mass * push.encoder.abs();
         [
             check(unevenness_us < 5.0, Finding::Loop { unevenness_us }),
@@ -293,7 +321,7 @@ impl SelfTest {
                 Finding::LoadCell { newton, span: load_span, sign: load },
             ),
             check(
-                a.abs() <= 15.0 && accel_span > 0 && agrees(accel) && same,
+                a.abs() <= tilted && accel_span > 0 && agrees(accel) && same,
                 Finding::Accelerometer { metre_per_second_squared: a, span: accel_span, sign: accel },
             ),
             check(
@@ -333,13 +361,13 @@ impl Push {
 
     /// Whether the handle moved without the encoder. The loop may have found it first.
     fn unseen(&self) -> bool {
-        self.travel <= STILL && self.accel.abs() > ACCELERATES * self.force && self.force > 0.0
+        self.travel <= STILL && self.accel.abs() > self.least * self.force && self.force > 0.0
     }
 
     /// Direction of the motion, by majority of the sensors.
     fn way(&self) -> f32 {
         let vote = |sum: f32, least: f32| if sum.abs() < least * self.force { 0.0 } else { sum.signum() };
-        let votes = vote(self.encoder, ACCELERATES) + vote(self.accel, ACCELERATES) + vote(self.load, LOADS);
+        let votes = vote(self.encoder, self.least) + vote(self.accel, self.least) + vote(self.load, LOADS);
         if votes < 0.0 { -1.0 } else { 1.0 }
     }
 
@@ -353,7 +381,7 @@ impl Push {
         }
         let way = self.way();
         let of = |sum, least| Sign::of(sum, least * self.force, way);
-        [of(self.encoder, ACCELERATES), of(self.accel, ACCELERATES), of(self.load, LOADS)]
+        [of(self.encoder, self.least), of(self.accel, self.least), of(self.load, LOADS)]
     }
 
     fn judge(&self, device: &Device) -> Pushed {
@@ -365,7 +393,7 @@ impl Push {
         } else if self.moved() && self.way() < 0.0 {
             Pushed::Backwards
         } else if self.moved() {
-            Pushed::Moved { millimetre: self.travel as f32 * device.metre_per_count * 1e3, newton }
+            Pushed::Moved { metre: self.travel as f32 * device.metre_per_count, newton }
         } else if self.load.abs() > HELD * self.force {
             Pushed::Held { newton }
         } else {

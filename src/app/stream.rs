@@ -1,8 +1,9 @@
 //! The binary stream: control periods that become frames, and losses.
 
 use super::{Output, Telemetry};
+use friction::Geometry;
 use haptics::{Channel, Device};
-use link::{Frame, Header, Name, Sample, encode};
+use link::{Frame, Header, Mechanics, Name, Sample, encode};
 
 /// A running stream. Frame `n` has sequence number `n` whether or not it is sent: a gap is a loss.
 #[derive(Debug, Clone)]
@@ -28,12 +29,17 @@ impl Stream {
         self.dropped
     }
 
+    /// Begins again with a new header: the device is another one.
+    pub fn restart(&mut self) {
+        *self = Self { dropped: self.dropped, ..Self::new(self.decimation, self.preset.clone()) };
+    }
+
     /// One control period. `origin` is the encoder count at position 0.
     pub fn take(&mut self, telemetry: &Telemetry, origin: u32, device: &Device, output: &mut Output) {
         if self.header != Some(origin) {
             if self.header.is_some() {
                 // positions have another zero: for the host this is another stream
-                *self = Self { dropped: self.dropped, ..Self::new(self.decimation, self.preset.clone()) };
+                self.restart();
             }
             let header = Frame::Header(self.header(device, origin));
             if !encode(0, &header).is_some_and(|wire| output.frame(&wire)) {
@@ -68,6 +74,14 @@ impl Stream {
             decimation: self.decimation,
             preset: self.preset.clone(),
             origin_count: origin as i32,
+            mechanics: Mechanics {
+                rotary: device.geometry == Geometry::Rotary,
+                stroke: device.stroke,
+                mass: device.mass,
+                damping: device.damping,
+                force_max: device.force_max,
+                overspeed: device.overspeed,
+            },
         }
     }
 

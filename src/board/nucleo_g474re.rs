@@ -70,7 +70,7 @@ pub use stop::{make_safe, restart};
 pub use timing::{LOOP_HZ, TICK_HZ};
 
 use super::Board;
-use crate::app::{Contact, ControlEnds, ControlLoop, Earlier, Lamp};
+use crate::app::{Command, Contact, ControlEnds, ControlLoop, Earlier, Lamp};
 use crate::presets::NotStored;
 use core::sync::atomic::{
     AtomicBool, AtomicPtr, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
@@ -97,10 +97,6 @@ pub const BAUD: u32 = 921_600;
 pub const RX_BYTES: usize = 512;
 /// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
 const RX_WAKE: usize = 32;
-/// Force per code of the DAC, N: ±11 N from rail to rail. Code 2048 is no force.
-pub const NEWTON_PER_CODE: f32 = 11.0 / 2048.0;
-/// Largest force that the output can ask for, N: its buffer ends 0.2 V from the rails of 3.3 V [ds12288, "DAC characteristics"].
-const ELECTRICAL_FORCE: f32 = 11.0 * (1.65 - 0.2) / 1.65;
 /// Time from the encoder reading, after the conversions, to the change of the force, s.
 const DELAY_S: f32 = 20e-6;
 /// Longest time from the stamp of a sample to the reading of its edge, ticks: 6 µs.
@@ -132,7 +128,7 @@ const LATE_STEPS: u32 = 3;
 
 impl Loop {
     fn step(&mut self) {
-        let inputs = self.hardware.sample();
+        let mut inputs = self.hardware.sample();
         let amplifier = self.hardware.amplifier_fault.is_open(self.hardware.enabled);
         let trouble = if self.hardware.emergency_stop.is_open(true) {
             Some(FaultKind::EmergencyStop)
@@ -147,8 +143,9 @@ impl Loop {
         self.raised = trouble.is_some() && !self.raised;
         let raise = self.pending.take().or(if self.raised { trouble } else { None });
         let step = self.control.steps();
-        let outputs = self.control.tick(&mut self.ends, &inputs, raise);
-        self.hardware.drive(outputs.force, outputs.amplifier && trouble.is_none());
+        let outputs = self.control.tick(&mut self.ends, &mut inputs, raise);
+        let command = self.control.command();
+        self.hardware.drive(outputs.force, &command, outputs.amplifier && trouble.is_none());
         black_box::note(step, &outputs);
         let period_ticks = self.control.period_ticks();
         if period_ticks != self.period_ticks {
@@ -259,9 +256,9 @@ impl Hardware {
     }
 
     /// Writes a force to the DAC, which TIM7 latches. Rearms the amplifier's enable line, or drops it at once.
-    fn drive(&mut self, force: f32, amplifier: bool) {
+    fn drive(&mut self, force: f32, command: &Command, amplifier: bool) {
         if amplifier {
-            let code = dac_code(force);
+            let code = dac_code(force, command);
             pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
             enable::rearm(self.enabled);
         } else {
@@ -273,8 +270,8 @@ impl Hardware {
 }
 
 /// Nearest DAC code of a force, N. Saturates; NaN is no force.
-fn dac_code(force: f32) -> u16 {
-    let code = force * (1.0 / NEWTON_PER_CODE) + (f32::from(DAC_ZERO) + 0.5);
+fn dac_code(force: f32, command: &Command) -> u16 {
+    let code = force * command.code_per_newton + (command.zero + 0.5);
     if code.is_nan() {
         return DAC_ZERO;
     }
@@ -450,9 +447,7 @@ impl Board for Nucleo {
 
     fn device(&self) -> Device {
         // the rig of [thesis, table 3-1] with the clock and rate of this board
-        let rig = Device::default();
-        let force_max = rig.force_max.min(ELECTRICAL_FORCE);
-        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, force_max, ..rig }
+        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, ..Device::default() }
     }
 
     fn now_ms(&self) -> u32 {

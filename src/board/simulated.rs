@@ -3,14 +3,14 @@
 pub mod flash;
 
 use super::Board;
-use crate::app::{ControlLoop, Desk, Listener, Queues};
+use crate::app::{Command, ControlLoop, Desk, Listener, Queues};
 use crate::presets::{Library, NotStored};
 use core::fmt::Write;
 use embassy_futures::block_on;
 use flash::SimulatedFlash;
 use friction::effects::Effect;
-use friction::{Coulomb, Invalid, Karnopp, Law};
-use haptics::{Channel, Device, Inputs, ModeId, Outputs};
+use friction::{Coulomb, Dimension, Invalid, Karnopp, Law};
+use haptics::{Channel, Device, Inputs, ModeId, Outputs, Sheet};
 use link::HelpLine;
 use plant::{
     Bench, Hand, HandForce, HandImpedance, Layered, NoHand, Rig, RigConfig, Sensors, Target, Truth, Wire,
@@ -26,8 +26,6 @@ const UNREAD: usize = 1 << 20;
 const POINTING: f64 = 100.0;
 /// Longest wait for a search of the stops, ms.
 const LONGEST_SEARCH_MS: u32 = 60_000;
-/// Force of the amplifier with its input at 0 V, N.
-const BROKEN_COMMAND: f64 = 11.0;
 /// Standard gravity, m/s².
 const GRAVITY: f64 = 9.806_65;
 
@@ -97,6 +95,86 @@ impl Holder {
     }
 }
 
+impl Holder {
+    /// The same hand, as small or as strong as the device.
+    fn of_size(self, device: &Device) -> Self {
+        let Self::Hand(hand) = self else { return self };
+        let inertia = f64::from(device.inertia(1.0));
+        Self::Hand(HandImpedance {
+            stiffness: inertia * hand.stiffness,
+            damping: inertia * hand.damping,
+            mass: inertia * hand.mass,
+            ..hand
+        })
+    }
+}
+
+/// A block with its friction at the scale of a device.
+fn block_of_size(mass: f64, law: Karnopp<f64>, device: &Device) -> (f64, Karnopp<f64>) {
+    let (force, inertia) = (f64::from(device.force(1.0)), f64::from(device.inertia(1.0)));
+    let law = Karnopp {
+        c_p: force * law.c_p,
+        c_n: force * law.c_n,
+        d_p: force * law.d_p,
+        d_n: force * law.d_n,
+        b_p: inertia * law.b_p,
+        b_n: inertia * law.b_n,
+        delta_v: f64::from(device.speed(1.0)) * law.delta_v,
+    };
+    (inertia * mass, law)
+}
+
+/// The device that a firmware for this rig expects.
+fn expected(rig: &RigConfig) -> Device {
+    let c = &rig.calibration;
+    let channel = |c: &plant::Channel| Channel {
+        offset_code: c.offset_code as f32,
+        unit_per_code: c.unit_per_code as f32,
+    };
+    let (load, accel) = (channel(&c.load), channel(&c.accel));
+    Device {
+        tick_hz: c.tick_hz,
+        metre_per_count: c.metre_per_count as f32,
+        load,
+        accel,
+        sheet: Sheet { load, accel, ..Sheet::RIG },
+        ..Device::default()
+    }
+}
+
+/// A rig that is this device. Sensors keep their noise in codes, the stops their time constants.
+fn rig_of(device: &Device, rig: &RigConfig) -> RigConfig {
+    let (normal, wide) = (RigConfig::default(), |x: f32| f64::from(x));
+    let sensor = |channel: &Channel, normal: &plant::Sensor, of: &Channel| plant::Sensor {
+        noise: normal.noise * wide(channel.unit_per_code.abs() / of.unit_per_code),
+        gain: if channel.unit_per_code < 0.0 { -1.0 } else { 1.0 },
+        offset: 0.0,
+    };
+    let channel = |channel: &Channel| plant::Channel {
+        offset_code: wide(channel.offset_code),
+        unit_per_code: wide(channel.unit_per_code.abs()),
+    };
+    let (stiffness, inertia) = (wide(device.stiffness(1.0)), wide(device.inertia(1.0)));
+    RigConfig {
+        stroke: Some(wide(device.stroke)),
+        device_mass: wide(device.mass),
+        device_damping: wide(device.damping),
+        handle_mass: inertia * RigConfig::free_handle().handle_mass,
+        force_max: Some(wide(device.force_max)),
+        stop_stiffness: stiffness * normal.stop_stiffness,
+        stop_damping: (stiffness * inertia).sqrt() * normal.stop_damping,
+        load: sensor(&device.sheet.load, &normal.load, &Sheet::RIG.load),
+        accel: sensor(&device.sheet.accel, &normal.accel, &Sheet::RIG.accel),
+        calibration: plant::Calibration {
+            metre_per_count: wide(device.metre_per_count),
+            load: channel(&device.sheet.load),
+            accel: channel(&device.sheet.accel),
+            ..rig.calibration
+        },
+        ..*rig
+    }
+}
+
 impl Hand for Holder {
     fn force(&mut self, t: f64, x: f64, v: f64) -> f64 {
         match self {
@@ -121,6 +199,9 @@ pub struct SimulatedBoard {
     counted_from: u32,
     hand: Holder,
     force: f64,
+    /// The device that the firmware expects, and the one that is there.
+    nominal: Device,
+    plant: Device,
     /// The wire of the command is broken: 0 V, the full negative force.
     command_broken: bool,
     milliseconds: u64,
@@ -149,6 +230,10 @@ const HELP: &[HelpLine] = &[
         usage: "sim wire encoder|load|accel|amplifier|command right|swapped|dead|floating",
         what: "a wiring error, for `selftest` or the safety checks to find",
     },
+    HelpLine {
+        usage: "sim device NAME VALUE [NAME VALUE …]",
+        what: "the device that is there, in the names of `device`",
+    },
     HelpLine { usage: "sim hang NEWTON", what: "a weight on the load cell, for `calibrate`" },
     HelpLine { usage: "sim tilt up|down|level", what: "gravity on the accelerometer, for `calibrate`" },
     HelpLine { usage: "sim truth", what: "the true state of the rig" },
@@ -164,7 +249,10 @@ impl SimulatedBoard {
         let lasting = flash.lasting();
         let library = block_on(Library::open(flash, each)).map_err(Unfit::Presets)?;
         let counted_from = rig.sensors().count;
+        let nominal = expected(&config.rig);
         Ok(Self {
+            nominal,
+            plant: nominal,
             rig,
             counted_from,
             hand: Holder::Nobody,
@@ -181,6 +269,7 @@ impl SimulatedBoard {
     fn sample(&mut self) -> Inputs {
         let sensors = self.rig.tick(self.force, &mut self.hand);
         let count = sensors.count.wrapping_sub(self.counted_from);
+        let count = if self.plant.encoder_reversed { count.wrapping_neg() } else { count };
         Inputs { count, ..inputs(&sensors) }
     }
 
@@ -195,12 +284,25 @@ impl SimulatedBoard {
         ticks != self.rig.config().period_ticks && self.rig.set_period_ticks(ticks).is_ok()
     }
 
-    fn drive(&mut self, outputs: &Outputs) {
+    fn drive(&mut self, outputs: &Outputs, command: &Command) {
+        let amplifier = &self.plant.command;
+        let (zero, gain) = (f64::from(amplifier.offset_code), f64::from(amplifier.unit_per_code));
         self.force = match (outputs.amplifier, self.command_broken) {
-            (true, false) => f64::from(outputs.force),
-            (true, true) => -BROKEN_COMMAND,
+            (true, false) => {
+                let apart = gain / f64::from(command.newton_per_code);
+                f64::from(outputs.force) * apart + (f64::from(command.zero) - zero) * gain
+            }
+            // 0 V
+            (true, true) => -zero * gain,
             (false, _) => 0.0,
         };
+    }
+
+    /// Puts another device in place of the one that is there.
+    fn replace(&mut self, plant: &Device) -> Result<(), Invalid> {
+        self.rig.reconfigure(rig_of(plant, self.rig.config()))?;
+        self.plant = *plant;
+        Ok(())
     }
 
     fn sim(&mut self, words: &[&str], out: &mut dyn Write) -> Result<(), &'static str> {
@@ -216,32 +318,51 @@ impl SimulatedBoard {
                 "VALUE"
             })
         };
+        let plant = self.plant;
+        // of the default device; exact for that one
+        let length = |metre: f64| metre * f64::from(plant.length(1.0));
+        let unit = |dimension: Dimension| dimension.unit(plant.geometry);
         match words {
+            ["device", pairs @ ..] if !pairs.is_empty() && pairs.len().is_multiple_of(2) => {
+                let mut plant = self.plant;
+                for pair in pairs.chunks_exact(2) {
+                    if let Err(wrong) = plant.set(pair[0], pair[1]) {
+                        let _ = write!(out, "{wrong}");
+                        return Err("VALUE");
+                    }
+                }
+                if let Err(invalid) = self.replace(&plant) {
+                    let _ = write!(out, "{invalid}");
+                    return Err("REFUSED");
+                }
+                let _ = write!(out, "device {}", pairs.join(" "));
+            }
+            ["device", ..] => return Err(wrong(out, &words.join(" "), "device NAME VALUE …")),
             ["hand", "off"] => {
                 self.hand = Holder::Nobody;
                 let _ = write!(out, "hand off");
             }
             ["hand", "hold"] => {
                 let position = self.rig.truth().position;
-                self.hand = Holder::Hand(HandImpedance::relaxed(Target::Hold { position }));
-                let _ = write!(out, "hand holds at {position:.4} m");
+                self.hand = Holder::Hand(HandImpedance::relaxed(Target::Hold { position })).of_size(&plant);
+                let _ = write!(out, "hand holds at {position:.4} {}", unit(Dimension::LENGTH));
             }
             ["hand", "at", text] => {
-                let to = number(out, "METRE", text, 0.016)?;
+                let to = number(out, "METRE", text, length(0.016))?;
                 let t = self.rig.truth();
-                self.hand = self.hand.pointed(to, t.time, t.position);
-                let _ = write!(out, "hand moves to {to} m");
+                self.hand = self.hand.pointed(to, t.time, t.position).of_size(&plant);
+                let _ = write!(out, "hand moves to {to} {}", unit(Dimension::LENGTH));
             }
             ["hand", "push", text] => {
-                let force = number(out, "NEWTON", text, 20.0)?;
+                let force = number(out, "NEWTON", text, 20.0 * f64::from(plant.force(1.0)))?;
                 self.hand = Holder::Force(HandForce::Steps(vec![(0.0, force)]));
-                let _ = write!(out, "hand pushes with {force} N");
+                let _ = write!(out, "hand pushes with {force} {}", unit(Dimension::FORCE));
             }
             ["hand", "sine", amplitude, frequency] => {
-                let amplitude = number(out, "AMP", amplitude, 0.015)?;
+                let amplitude = number(out, "AMP", amplitude, length(0.015))?;
                 let frequency = number(out, "FREQ", frequency, 10.0)?;
-                self.hand = Holder::to_and_fro(amplitude, frequency);
-                let _ = write!(out, "hand moves {amplitude} m at {frequency} Hz");
+                self.hand = Holder::to_and_fro(amplitude, frequency).of_size(&plant);
+                let _ = write!(out, "hand moves {amplitude} {} at {frequency} Hz", unit(Dimension::LENGTH));
             }
             ["hand", word, ..] => {
                 return Err(wrong(out, word, "off, hold, at METRE, push NEWTON, sine AMP FREQ"));
@@ -254,14 +375,16 @@ impl SimulatedBoard {
                 let Some(material) = material(name) else {
                     return Err(wrong(out, name, "none, brass, teflon, rubber"));
                 };
-                let _ = self.set_block(material.mass, material.law, &[]);
-                let _ = write!(out, "block of {} kg on {}", material.mass, material.name);
+                let (mass, law) = block_of_size(material.mass, material.law, &plant);
+                let _ = self.set_block(mass, law, &[]);
+                let _ = write!(out, "block of {mass} {} on {}", unit(Dimension::MASS), material.name);
             }
             ["truth"] => {
                 let t = self.rig.truth();
+                let (m, n) = (unit(Dimension::LENGTH), unit(Dimension::FORCE));
                 let _ = write!(
                     out,
-                    "t {:.3} s, handle {:.6} m {:.4} m/s {:.3} m/s2, block friction {:.3} N, hand {:.3} N, actuator {:.3} N",
+                    "t {:.3} s, handle {:.6} {m} {:.4} {m}/s {:.3} {m}/s2, block friction {:.3} {n}, hand {:.3} {n}, actuator {:.3} {n}",
                     t.time,
                     t.position,
                     t.velocity,
@@ -292,10 +415,14 @@ impl SimulatedBoard {
             }
             ["wire", word, ..] => return Err(wrong(out, word, "encoder, load, accel, amplifier, command")),
             ["hang", text] => {
-                let weight = number(out, "NEWTON", text, 44.0)?;
+                let weight = number(out, "NEWTON", text, 44.0 * f64::from(plant.force(1.0)))?;
                 let bench = Bench { weight, ..self.rig.config().bench };
                 let _ = self.rig.reconfigure(RigConfig { bench, ..*self.rig.config() });
-                let _ = write!(out, "{weight} N hang on the load cell, the slide is locked");
+                let _ = write!(
+                    out,
+                    "{weight} {} hang on the load cell, the slide is locked",
+                    unit(Dimension::FORCE)
+                );
             }
             ["tilt", word @ ("up" | "down" | "level")] => {
                 let gravity = match *word {
@@ -308,7 +435,13 @@ impl SimulatedBoard {
                 let _ = write!(out, "accelerometer {word}, the slide is locked");
             }
             ["tilt", word, ..] => return Err(wrong(out, word, "up, down, level")),
-            _ => return Err(wrong(out, &words.join(" "), "hand …, block …, wire …, hang …, tilt …, truth")),
+            _ => {
+                return Err(wrong(
+                    out,
+                    &words.join(" "),
+                    "device …, hand …, block …, wire …, hang …, tilt …, truth",
+                ));
+            }
         }
         Ok(())
     }
@@ -326,20 +459,7 @@ impl Board for SimulatedBoard {
     }
 
     fn device(&self) -> Device {
-        let config = self.rig.config();
-        let c = &config.calibration;
-        let channel = |c: &plant::Channel| Channel {
-            offset_code: c.offset_code as f32,
-            unit_per_code: c.unit_per_code as f32,
-        };
-        Device {
-            tick_hz: c.tick_hz,
-            period: config.period() as f32,
-            metre_per_count: c.metre_per_count as f32,
-            load: channel(&c.load),
-            accel: channel(&c.accel),
-            ..Device::default()
-        }
+        Device { period: self.rig.config().period() as f32, ..self.nominal }
     }
 
     fn now_ms(&self) -> u32 {
@@ -462,6 +582,16 @@ impl VirtualDevice {
         })
     }
 
+    /// The same on another device than the firmware expects, as the command `sim device` makes one.
+    ///
+    /// # Errors
+    /// As [`Self::with_flash`].
+    pub fn on_device(config: &VirtualConfig, flash: SimulatedFlash, plant: &Device) -> Result<Self, Unfit> {
+        let mut device = Self::with_flash(config, flash)?;
+        device.board.replace(plant).map_err(Unfit::Rig)?;
+        Ok(device)
+    }
+
     /// Cuts the power. The flash with the presets remains.
     #[must_use]
     pub fn power_off(self) -> SimulatedFlash {
@@ -496,9 +626,9 @@ impl VirtualDevice {
     pub fn tick(&mut self) {
         let (mut control_ends, mut desk_ends) = self.queues.split();
         for _ in 0..self.board.periods_in_ms() {
-            let inputs = self.board.sample();
-            self.outputs = self.control.tick(&mut control_ends, &inputs, None);
-            self.board.drive(&self.outputs);
+            let mut inputs = self.board.sample();
+            self.outputs = self.control.tick(&mut control_ends, &mut inputs, None);
+            self.board.drive(&self.outputs, &self.control.command());
             if self.board.set_period(self.control.period_ticks()) {
                 break;
             }
@@ -578,10 +708,10 @@ impl VirtualDevice {
         self.board.rig.config().period()
     }
 
-    /// Constants of the device.
+    /// The device as the firmware knows it: its settings and calibration.
     #[must_use]
     pub fn device(&self) -> Device {
-        self.board.device()
+        *self.desk.device()
     }
 
     /// Puts a hand on the handle.

@@ -11,6 +11,7 @@ mod black_box;
 mod board;
 mod clock;
 mod cycles;
+mod device;
 mod endurance;
 mod flash;
 mod law_names;
@@ -20,6 +21,7 @@ mod off;
 mod origin;
 mod plot;
 mod power_up;
+mod random_commands;
 mod random_inputs;
 mod random_readings;
 mod rate;
@@ -27,6 +29,8 @@ mod rendering;
 mod safety;
 mod selftest;
 mod track;
+#[path = "../common/typist.rs"]
+mod typist;
 mod velocity;
 
 use board::{Board, TOOLCHAIN};
@@ -54,6 +58,8 @@ fn main() -> ExitCode {
             cycles::cycles_of_every_effect,
             cycles::cycles_of_the_passivity_controller,
             cycles::the_longest_allowed_step_is_not_late,
+            device::another_device_homes_and_identifies_after_a_reset,
+            device::a_power_cut_leaves_the_old_or_the_new_device,
             endurance::full_load_costs_no_step_and_no_frame,
             flash::power_cuts_leave_old_or_new_presets,
             flash::presets_survive_power_cuts_and_deletions_hold,
@@ -97,6 +103,9 @@ fn main() -> ExitCode {
             velocity::pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale,
         ]
         .needing(&TOOLCHAIN),
+        tests![random_commands::random_commands_leave_a_way_out]
+            .needing(&TOOLCHAIN)
+            .on_demand("five virtual minutes take more than two; -- --ignored random_commands"),
         tests![mutations::a_wrong_build_of_the_board_is_seen]
             .needing(&TOOLCHAIN)
             .on_demand("builds the firmware eight times; a step of .ci/run"),

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::moves::Move;
 use crate::sample::{Header, Sample};
 use crate::session::{Event, Session};
+use friction::Geometry;
 use signals::files::{self, FileError};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -144,7 +145,7 @@ fn take(
                         return finish(file, path, last, lost, false);
                     }
                     if file.is_none() {
-                        file = Some(RecordingFile::create(path, &header.notes(), plan)?);
+                        file = Some(RecordingFile::create(path, header, plan)?);
                     }
                     let Some(open) = file.as_mut() else { continue };
                     // a sample missed by the device is also lost, and shows as a gap in time
@@ -191,14 +192,14 @@ pub struct RecordingFile {
 }
 
 impl RecordingFile {
-    /// Creates the file. `heads` are the metadata lines of the stream's header.
+    /// Creates the file, with the units of the device and the metadata of the stream's header.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn create(path: &Path, heads: &[(String, String)], plan: &Plan) -> Result<Self> {
+    pub fn create(path: &Path, header: &Header, plan: &Plan) -> Result<Self> {
         let file = File::create(files::part(path)).map_err(|e| FileError::unwritable(path, &e))?;
         let mut out = BufWriter::new(file);
-        write_head(&mut out, heads, plan).map_err(|e| FileError::unwritable(path, &e))?;
+        write_head(&mut out, header, plan).map_err(|e| FileError::unwritable(path, &e))?;
         let (created, clock) = (Instant::now(), ClockRatio::default());
         Ok(Self { path: path.to_owned(), out, samples: 0, created, flushed: created, clock })
     }
@@ -245,16 +246,24 @@ impl RecordingFile {
 }
 
 /// Metadata lines and the header of a recording.
-fn write_head(out: &mut impl Write, notes: &[(String, String)], plan: &Plan) -> std::io::Result<()> {
+fn write_head(out: &mut impl Write, header: &Header, plan: &Plan) -> std::io::Result<()> {
     writeln!(out, "# recorded_by: tribos {}", env!("CARGO_PKG_VERSION"))?;
     if let Some(motion) = &plan.motion {
         writeln!(out, "# move: {} {} {}", motion.wave.id(), motion.amplitude, motion.frequency)?;
     }
-    for (key, value) in plan.notes.iter().chain(notes) {
+    let mut heads = header.notes();
+    heads.retain(|(key, _)| plan.notes.iter().all(|(newer, _)| newer != key));
+    for (key, value) in plan.notes.iter().chain(&heads) {
         // a line break in a note would end the comment
         writeln!(out, "# {key}: {}", value.replace(['\n', '\r'], " "))?;
     }
-    writeln!(out, "time_s,position_m,velocity_m_s,acceleration_m_s2,force_n,command_n,reference_m")
+    let columns = match header.geometry() {
+        Geometry::Linear => "time_s,position_m,velocity_m_s,acceleration_m_s2,force_n,command_n,reference_m",
+        Geometry::Rotary => {
+            "time_s,position_rad,velocity_rad_s,acceleration_rad_s2,torque_nm,command_nm,reference_rad"
+        }
+    };
+    writeln!(out, "{columns}")
 }
 
 /// One sample, with more digits than any sensor resolves.
@@ -264,4 +273,61 @@ fn write_row(out: &mut impl Write, s: &Sample) -> std::io::Result<()> {
         "{:.6},{:.8},{:.7},{:.5},{:.6},{:.6},{:.8}",
         s.time, s.position, s.velocity, s.acceleration, s.force, s.command, s.reference
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::Calibration;
+    use link::Mechanics;
+    use signals::{ReadOptions, Recording};
+
+    #[test]
+    fn a_rotary_device_is_recorded_in_radians() {
+        let path = std::env::temp_dir().join(format!("tribos-rotary-{}.csv", std::process::id()));
+        let header = Header {
+            calibration: Calibration {
+                tick_hz: 170e6,
+                metre_per_count: 7.67e-4,
+                origin_count: 0,
+                load_offset: 32_768.0,
+                load_unit: -1.5e-5,
+                accel_offset: 32_768.0,
+                accel_unit: 0.1,
+            },
+            decimation: 1,
+            period: 1e-3,
+            preset: "brass".into(),
+            mechanics: Mechanics {
+                rotary: true,
+                stroke: 2.0,
+                mass: 1e-4,
+                damping: 1e-3,
+                force_max: 0.2,
+                overspeed: 60.0,
+            },
+        };
+        let plan = Plan { motion: None, seconds: 1.0, notes: Vec::new() };
+        let mut file = RecordingFile::create(&path, &header, &plan).unwrap();
+        for k in 0..100 {
+            let time = 1e-3 * f64::from(k);
+            file.write(&Sample { time, position: 0.1 * time, force: 0.05, ..Sample::default() }).unwrap();
+        }
+        file.finish(0).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let read = Recording::read(&path, &ReadOptions::default()).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        println!("{}", text.lines().take(10).collect::<Vec<_>>().join("\n"));
+        assert!(text.contains(
+            "\ntime_s,position_rad,velocity_rad_s,acceleration_rad_s2,torque_nm,command_nm,reference_rad\n"
+        ));
+        assert!(
+            text.contains("# radian_per_count: 0.000767\n") && text.contains("# newton_metre_per_code: ")
+        );
+        assert_eq!((read.geometry, read.force[50]), (Geometry::Rotary, 0.05));
+        // the limits of the device, not of the default one
+        let device = header.device();
+        assert_eq!((device.stroke, device.force_max, device.geometry), (2.0, 0.2, Geometry::Rotary));
+        assert!(device.tracking_stiffness < 1.0);
+    }
 }

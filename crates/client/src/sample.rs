@@ -1,6 +1,8 @@
 //! Conversion of raw codes to SI, with the calibration of the header and the velocity estimator of the device.
 
+use friction::Geometry;
 use haptics::{Channel, Estimator};
+use link::Mechanics;
 
 /// A telemetry sample as received.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -57,6 +59,8 @@ pub struct Header {
     pub period: f64,
     /// Active preset.
     pub preset: String,
+    /// Mechanics and limits of the device.
+    pub mechanics: Mechanics,
 }
 
 impl Header {
@@ -84,25 +88,54 @@ impl Header {
             ("newton_per_code", c.load_unit.to_string()),
             ("metre_per_second_squared_per_code", c.accel_unit.to_string()),
         ]
+        .map(|(key, value)| (if self.mechanics.rotary { rotary(key) } else { key }, value))
         .map(|(key, value)| (key.to_owned(), value))
         .to_vec()
     }
 
-    /// Constants of the device as its validation uses them: period, resolution and calibration as streamed, limits of
-    /// the rig that the firmware is built for.
+    /// Slide or axis.
+    #[must_use]
+    pub fn geometry(&self) -> Geometry {
+        if self.mechanics.rotary { Geometry::Rotary } else { Geometry::Linear }
+    }
+
+    /// Constants of the device as its validation uses them, as streamed.
     #[must_use]
     pub fn device(&self) -> haptics::Device {
         let c = &self.calibration;
         let channel =
             |offset: f64, unit: f64| Channel { offset_code: offset as f32, unit_per_code: unit as f32 };
+        let m = &self.mechanics;
+        let own = haptics::Device::default();
+        let mechanics = haptics::Device {
+            geometry: self.geometry(),
+            stroke: m.stroke,
+            mass: m.mass,
+            damping: m.damping,
+            force_max: m.force_max,
+            overspeed: m.overspeed,
+            ..own
+        };
+        // what follows from the default values is exact without
+        let mechanics = if mechanics == own { own } else { mechanics.derived() };
         haptics::Device {
             tick_hz: c.tick_hz as u32,
             period: self.period as f32,
             metre_per_count: c.metre_per_count as f32,
             load: channel(c.load_offset, c.load_unit),
             accel: channel(c.accel_offset, c.accel_unit),
-            ..haptics::Device::default()
+            ..mechanics
         }
+    }
+}
+
+/// The same note of a rotary device.
+fn rotary(key: &str) -> &str {
+    match key {
+        "metre_per_count" => "radian_per_count",
+        "newton_per_code" => "newton_metre_per_code",
+        "metre_per_second_squared_per_code" => "radian_per_second_squared_per_code",
+        _ => key,
     }
 }
 

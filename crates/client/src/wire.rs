@@ -79,6 +79,7 @@ fn of_header(h: &link::Header) -> Header {
         decimation: h.decimation,
         period: f64::from(h.period_ticks) / f64::from(h.tick_hz),
         preset: h.preset.to_string(),
+        mechanics: h.mechanics,
     }
 }
 

@@ -54,6 +54,11 @@ pub struct Config {
     pub(crate) homing: homing::Bounds,
     /// Largest force of a rendered contact while the middle of the stroke is unknown, N.
     pub(crate) unreferenced_force: f32,
+    /// Distance from a stop at which a driven handle faults, and one that is held, m.
+    pub(crate) driven: f32,
+    pub(crate) held: f32,
+    /// Whether its device is not that of the configuration before.
+    pub(crate) new_device: bool,
 }
 
 impl Config {
@@ -86,7 +91,16 @@ impl Config {
             silence: silence::Bounds::new(device),
             homing: homing::Bounds::new(device),
             unreferenced_force: device.unreferenced_force(),
+            driven: device.driven_margin(),
+            held: device.held_margin(),
+            new_device: false,
         }
+    }
+
+    /// The same, announced as that of another device: the loop that takes it up is idle and unreferenced from then on.
+    #[must_use]
+    pub fn on_new_device(self) -> Self {
+        Self { new_device: true, ..self }
     }
 
     /// Timer ticks in a control period.

@@ -1,11 +1,15 @@
 //! The physical device: constants shared by control step, checks and bounds.
+//!
+//! On a rotary device every length is an angle: read rad for m, N·m for N and kg·m² for kg.
+
+use friction::Geometry;
 
 /// One analogue channel: SI = (code − `offset_code`) · `unit_per_code`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Channel {
     /// Code that stands for zero, counts.
     pub offset_code: f32,
-    /// SI units per code: N (load cell) or m/s² (accelerometer).
+    /// SI units per code: N (load cell, force command) or m/s² (accelerometer). Negative: the signal is reversed.
     pub unit_per_code: f32,
 }
 
@@ -17,9 +21,33 @@ impl Channel {
     }
 }
 
+/// Channels as in the data sheets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sheet {
+    /// Force command.
+    pub command: Channel,
+    /// Load cell.
+    pub load: Channel,
+    /// Accelerometer.
+    pub accel: Channel,
+}
+
+impl Sheet {
+    /// Those of the rig of [thesis, table 3-1].
+    pub const RIG: Self = Self {
+        // ±11 N over the 3.3 V of the output, no force at half of them
+        command: Channel { offset_code: 2_048.0, unit_per_code: 11.0 / 2_048.0 },
+        // 8.896 N/V over ±5 V on 16-bit oversampled codes, zero at mid-scale
+        load: Channel { offset_code: 32_768.0, unit_per_code: 88.96 / 65_536.0 },
+        accel: Channel { offset_code: 32_768.0, unit_per_code: 100.0 * 9.806_65 / 65_536.0 },
+    };
+}
+
 /// A 1-DOF device and its limits. `default()` is the rig of [thesis, table 3-1 and 3-2] with a 170 MHz timer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Device {
+    /// Slide or axis.
+    pub geometry: Geometry,
     /// Rate of the timer of all time stamps, Hz.
     pub tick_hz: u32,
     /// Control period T, s.
@@ -28,6 +56,8 @@ pub struct Device {
     pub delay: f32,
     /// Handle travel of one quadrature count, m.
     pub metre_per_count: f32,
+    /// Whether the encoder counts down in the positive direction. The control loop turns it round.
+    pub encoder_reversed: bool,
     /// Equivalent inertia of motor and slide m, kg.
     pub mass: f32,
     /// Viscous damping b of [thesis, eq. 4.14], N·s/m. *Assumed*: the source gives no number ("a small amount"). This value
@@ -35,12 +65,14 @@ pub struct Device {
     pub damping: f32,
     /// Largest continuous force of the actuator, N. Every command is clamped to it.
     pub force_max: f32,
+    /// Force command, N: 12-bit codes of the output, with its amplifier.
+    pub command: Channel,
     /// Load cell, N.
     pub load: Channel,
-    /// Capacity of the load cell, N. Identification beyond it is invalid.
-    pub load_capacity: f32,
     /// Accelerometer, m/s².
     pub accel: Channel,
+    /// The same three as in the data sheets: what a calibration is compared with.
+    pub sheet: Sheet,
     /// Largest possible acceleration, m/s². An encoder that shows more has lost counts.
     pub acceleration_max: f32,
     /// Width of the rails, codes: a code this close to 0 or 65 535 is not a reading.
@@ -72,6 +104,61 @@ const UNREFERENCED: f32 = 0.3;
 pub const RATES: &[u32] = &[1_000, 2_000, 5_000, 10_000, 20_000];
 
 impl Device {
+    /// A length of the default device on this one, m: the same share of the stroke.
+    #[must_use]
+    pub fn length(&self, of_default: f32) -> f32 {
+        self.stroke * (of_default / STROKE)
+    }
+
+    /// A speed of the default device on this one, m/s: the same share of the overspeed.
+    #[must_use]
+    pub fn speed(&self, of_default: f32) -> f32 {
+        self.overspeed * (of_default / OVERSPEED)
+    }
+
+    /// A force of the default device on this one, N: the same share of the largest force.
+    #[must_use]
+    pub fn force(&self, of_default: f32) -> f32 {
+        self.force_max * (of_default / FORCE_MAX)
+    }
+
+    /// A mass of the default device on this one, kg. Stiffness and damping that keep their time constants scale alike.
+    #[must_use]
+    pub fn inertia(&self, of_default: f32) -> f32 {
+        self.mass * (of_default / MASS)
+    }
+
+    /// A stiffness of the default device on this one, N/m: the same share of force over stroke.
+    #[must_use]
+    pub fn stiffness(&self, of_default: f32) -> f32 {
+        self.force(of_default) / (self.stroke / STROKE)
+    }
+
+    /// Distance beyond a stop, m, at which a driven handle faults: before it.
+    #[must_use]
+    pub fn driven_margin(&self) -> f32 {
+        self.length(-0.5e-3)
+    }
+
+    /// The same of a handle that is held, which reaches the stops in normal use: beyond them.
+    #[must_use]
+    pub fn held_margin(&self) -> f32 {
+        self.length(1e-3)
+    }
+
+    /// The device with what follows from its settings: limits at rest, gains of the excitation, largest acceleration.
+    #[must_use]
+    pub fn derived(self) -> Self {
+        Self {
+            acceleration_max: self.speed(ACCELERATION_MAX),
+            rest_speed: self.speed(REST_SPEED),
+            rest_force: self.force(REST_FORCE),
+            tracking_stiffness: self.inertia(TRACKING_STIFFNESS),
+            tracking_damping: self.inertia(TRACKING_DAMPING),
+            ..self
+        }
+    }
+
     /// Timer ticks in a control period.
     #[must_use]
     pub fn period_ticks(&self) -> u32 {
@@ -86,30 +173,43 @@ impl Device {
     }
 }
 
+/// Values of the default device that others scale from.
+const STROKE: f32 = 0.032;
+const OVERSPEED: f32 = 1.0;
+const FORCE_MAX: f32 = 9.48;
+const MASS: f32 = 0.692;
+const ACCELERATION_MAX: f32 = 50.0 * 9.806_65;
+const REST_SPEED: f32 = 5e-3;
+const REST_FORCE: f32 = 2.0;
+const TRACKING_STIFFNESS: f32 = 2_500.0;
+const TRACKING_DAMPING: f32 = 50.0;
+
 impl Default for Device {
     fn default() -> Self {
         Self {
+            geometry: Geometry::Linear,
             tick_hz: 170_000_000,
             period: 1e-3,
             delay: 0.0,
             metre_per_count: 2.57e-6,
-            mass: 0.692,
+            encoder_reversed: false,
+            mass: MASS,
             damping: 6.92,
-            force_max: 9.48,
-            // 8.896 N/V over ±5 V on 16-bit oversampled codes, zero at mid-scale
-            load: Channel { offset_code: 32_768.0, unit_per_code: 88.96 / 65_536.0 },
-            load_capacity: 44.8,
-            accel: Channel { offset_code: 32_768.0, unit_per_code: 100.0 * 9.806_65 / 65_536.0 },
-            acceleration_max: 50.0 * 9.806_65,
+            force_max: FORCE_MAX,
+            command: Sheet::RIG.command,
+            load: Sheet::RIG.load,
+            accel: Sheet::RIG.accel,
+            sheet: Sheet::RIG,
+            acceleration_max: ACCELERATION_MAX,
             // the sum of 16 12-bit conversions is at most 65 520
             rail_codes: 32,
-            stroke: 0.032,
-            overspeed: 1.0,
-            rest_speed: 5e-3,
-            rest_force: 2.0,
+            stroke: STROKE,
+            overspeed: OVERSPEED,
+            rest_speed: REST_SPEED,
+            rest_force: REST_FORCE,
             effect_cycles: 1_200,
-            tracking_stiffness: 2_500.0,
-            tracking_damping: 50.0,
+            tracking_stiffness: TRACKING_STIFFNESS,
+            tracking_damping: TRACKING_DAMPING,
             command_cutoff_hz: 100.0,
         }
     }

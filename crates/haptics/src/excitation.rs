@@ -10,6 +10,8 @@ pub const RAMP_OUT_S: f32 = 0.5;
 const FADE_S: f32 = 0.1;
 /// Longest excitation, s.
 const LONGEST_S: f32 = 3_600.0;
+/// Distance that an excitation keeps from the stops, m, on the default device.
+const STOPS: f32 = 1e-3;
 /// Lowest frequency, Hz.
 const SLOWEST_HZ: f32 = 0.005;
 
@@ -41,10 +43,10 @@ impl Excitation {
     pub fn validate(&self, device: &Device) -> Result<(), Refused> {
         let refuse =
             |parameter, value, accepted, why| Err(Refused { effect: None, parameter, value, accepted, why });
-        let half = 0.5 * device.stroke - 1e-3;
+        let half = 0.5 * device.stroke - device.length(STOPS);
         if !(self.amplitude_m > 0.0 && self.amplitude_m <= half) {
             let accepted = Accepted::Between(device.metre_per_count, half);
-            return refuse("amplitude", self.amplitude_m, accepted, "m; 1 mm inside the stroke");
+            return refuse("amplitude", self.amplitude_m, accepted, "m; 3 % inside the stroke");
         }
         if !(self.frequency_hz >= SLOWEST_HZ && self.is_slow_enough(device)) {
             let fastest = self.fastest(device);
@@ -73,7 +75,7 @@ impl Excitation {
     }
 
     /// Highest frequency that force and speed allow at this amplitude, Hz, rounded down to a number that is easy to type.
-    fn fastest(&self, device: &Device) -> f32 {
+    pub(crate) fn fastest(&self, device: &Device) -> f32 {
         use friction::Scalar;
         let turn = core::f32::consts::TAU;
         let by_force = device.force_max / (device.mass * self.wave.acceleration_factor() * self.amplitude_m);

@@ -98,9 +98,9 @@ kinds! {
         /// A fault is latched.
         FaultLatched = 1, "fault_latched", "a fault is latched: clear it first";
         /// The handle moves or is pushed.
-        NotAtRest = 2, "not_at_rest", "release the handle and wait until it rests";
+        NotAtRest = 2, "not_at_rest", "release the handle and wait until it rests; if it does, its load cell is off: `calibrate`, `device`";
         /// The handle is outside the stroke.
-        OutsideStroke = 3, "outside_stroke", "the handle is outside its stroke: move it back by hand";
+        OutsideStroke = 3, "outside_stroke", "the handle is outside its stroke: move it back by hand; if it is inside, `device` has another stroke or resolution";
         /// Another mode is running.
         Busy = 4, "busy", "something else is running: stop it first";
         /// An excitation the device cannot follow.
@@ -108,7 +108,7 @@ kinds! {
         /// A sensor is at its rail.
         SensorRail = 6, "sensor_rail", "load cell or accelerometer is at the end of its scale";
         /// Too close to the end of the stroke.
-        NoRoom = 7, "no_room", "the handle is within 5 mm of the end of its stroke: move it to the middle by hand";
+        NoRoom = 7, "no_room", "the handle is too near the end of its stroke: move it to the middle by hand";
         /// The handle is driven, not rendered.
         Driven = 8, "busy", "a motion is running: `stop` ramps it out, `off` switches the amplifier off at once";
         /// A request that `off` overtook.

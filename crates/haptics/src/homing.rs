@@ -26,7 +26,7 @@ const PUSHED: f32 = 0.95;
 /// Largest deviation of the measured stroke, as a share of the device's. Half of it is less than the millimetre that an
 /// excitation keeps from the stops.
 const TOLERANCE: f32 = 0.03;
-/// Motion that is rest, m.
+/// Motion that is rest, m, on the default device.
 const REST_M: f32 = 1e-4;
 /// Rest under the largest force that is a stop, s.
 const PUSHED_S: f32 = 0.25;
@@ -105,7 +105,7 @@ impl Bounds {
             fastest: FASTEST * device.overspeed,
             force,
             lead: force / device.tracking_stiffness,
-            rest: counts(REST_M),
+            rest: counts(device.length(REST_M)).max(1),
             longest: counts((1.0 + TOLERANCE) * device.stroke),
             pushed: periods(PUSHED_S),
             settle: periods(SETTLE_S),

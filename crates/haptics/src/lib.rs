@@ -16,6 +16,7 @@ pub mod bounds;
 mod config;
 mod control;
 mod device;
+mod device_settings;
 pub mod drive;
 pub mod estimator;
 pub mod excitation;
@@ -42,7 +43,8 @@ pub mod wave;
 
 pub use config::Config;
 pub use control::Control;
-pub use device::{Channel, Device, RATES};
+pub use device::{Channel, Device, RATES, Sheet};
+pub use device_settings::{DEVICE_SETTINGS, DeviceSetting, DeviceValue};
 pub use estimator::Estimator;
 pub use excitation::Excitation;
 pub use fault::{Denied, FaultKind};

@@ -29,7 +29,7 @@ use crate::{Accepted, Device, FaultKind, Inputs, ModeId, Outputs, Refused, numbe
 const BALANCE_S: f32 = 0.01;
 /// Time for which a force must stay unexplained, s. A blow on the handle is shorter.
 const UNEXPLAINED_S: f32 = 4e-3;
-/// Travel with a force unexplained that no stop lets a handle make, m.
+/// Travel with a force unexplained that no stop lets a handle make, m. Lengths and speeds here are those of the default device.
 const TRAVEL: f32 = 4e-3;
 /// Distance from a stop within which it may touch, m: the tolerance of the stroke, 3 %, and half a millimetre.
 const STOP_ZONE: f32 = 1.5e-3;
@@ -128,6 +128,19 @@ impl Limits {
     }
 }
 
+impl Limits {
+    /// Those of a device: the same shares of its largest force.
+    #[must_use]
+    pub fn of(device: &Device) -> Self {
+        let own = Self::default();
+        Self {
+            unexplained_force: device.force(own.unexplained_force),
+            continuous_force: device.force(own.continuous_force),
+            ..own
+        }
+    }
+}
+
 impl Default for Limits {
     fn default() -> Self {
         Self {
@@ -207,7 +220,7 @@ impl Monitor {
         self.heat += (sum.squared / bearable - self.heat * sum.seconds) / limits.heating_s;
         // a search leans on the stops, and hits them
         let judged = outputs.mode != ModeId::Homing;
-        let follows = !judged || self.follow.sample(&sum);
+        let follows = !judged || self.follow.sample(device, &sum);
         if !on || !judged {
             self.balance = Balance::default();
         } else if self.balance.sample(device, limits, &sum, outputs) {
@@ -240,7 +253,7 @@ struct Balance {
 
 impl Balance {
     fn sample(&mut self, device: &Device, limits: &Limits, sum: &Sum, outputs: &Outputs) -> bool {
-        let at_stop = outputs.position.abs() > 0.5 * device.stroke - STOP_ZONE;
+        let at_stop = outputs.position.abs() > 0.5 * device.stroke - device.length(STOP_ZONE);
         if outputs.referenced && at_stop {
             *self = Self::default();
             return false;
@@ -268,7 +281,7 @@ impl Balance {
         } else {
             (self.seconds, self.travel) = (0.0, 0.0);
         }
-        self.seconds >= UNEXPLAINED_S && (outputs.referenced || self.travel.abs() > TRAVEL)
+        self.seconds >= UNEXPLAINED_S && (outputs.referenced || self.travel.abs() > device.length(TRAVEL))
     }
 }
 
@@ -312,8 +325,8 @@ impl Follow {
         *self = Self { moved: self.moved, missed: self.missed, blocks: self.blocks, ..Self::default() };
     }
 
-    fn sample(&mut self, sum: &Sum) -> bool {
-        let impact = IMPACT * sum.seconds;
+    fn sample(&mut self, device: &Device, sum: &Sum) -> bool {
+        let impact = device.speed(IMPACT) * sum.seconds;
         self.impact |= sum.speed.abs() > impact || sum.accel.abs() > impact;
         self.path[0] += sum.travel;
         self.path[1] += (self.speed + 0.5 * sum.accel) * sum.seconds;
@@ -332,7 +345,8 @@ impl Follow {
             let [moved, shown] = core::array::from_fn(|k| mean[k] - 2.0 * b[k] + a[k]);
             self.moved = KEEP * self.moved + (1.0 - KEEP) * moved * moved;
             self.missed = KEEP * self.missed + (1.0 - KEEP) * (moved - shown) * (moved - shown);
-            let disagree = self.moved > CHANGE * CHANGE && self.missed > SHARE * self.moved;
+            let change = device.speed(CHANGE);
+            let disagree = self.moved > change * change && self.missed > SHARE * self.moved;
             self.blocks = if disagree { self.blocks + 1 } else { 0 };
         }
         self.before = [self.before[1], Some(mean)];

@@ -4,12 +4,45 @@
 //! 15 N·s/m); K·1.5T < b + B holds even with a whole period of delay and a device of 1 N·s/m. The limit-cycle velocities of
 //! [thesis, eq. 4.35] are 0.6 to 4.6 mm/s, all below Δv of [thesis, table 3-3].
 
+use crate::Device;
 use crate::settings::{LawKind, MAX_EFFECTS, RendererKind, Settings};
 
 /// Makes a preset.
 pub type Make = fn() -> Settings;
 
 impl Settings {
+    /// The same contact at the scale of another device: forces as shares of the largest force, speeds of the overspeed, mass and
+    /// coupling of the inertia. Softer until it is stable there; `None` if it is not at a thousandth of the stiffness either.
+    #[must_use]
+    pub fn scaled_to(&self, device: &Device) -> Option<Self> {
+        let mut scaled = Self {
+            f_static_p: device.force(self.f_static_p),
+            f_static_n: device.force(self.f_static_n),
+            f_dynamic_p: device.force(self.f_dynamic_p),
+            f_dynamic_n: device.force(self.f_dynamic_n),
+            damping_p: device.inertia(self.damping_p),
+            damping_n: device.inertia(self.damping_n),
+            dv: device.speed(self.dv),
+            mass: device.inertia(self.mass),
+            k_vc: device.inertia(self.k_vc),
+            b_vc: device.inertia(self.b_vc),
+            sigma: device.inertia(self.sigma),
+            sigma_1: device.inertia(self.sigma_1),
+            stribeck_velocity: device.speed(self.stribeck_velocity),
+            effects: [None; MAX_EFFECTS],
+            ..*self
+        };
+        for _ in 0..10 {
+            if scaled.validate(device).is_ok() {
+                return Some(scaled);
+            }
+            for softer in [&mut scaled.k_vc, &mut scaled.b_vc, &mut scaled.sigma, &mut scaled.sigma_1] {
+                *softer *= 0.5;
+            }
+        }
+        None
+    }
+
     /// Common part of the presets: the coupling, and parameters of other laws.
     const fn karnopp(levels: [f32; 6], dv: f32, mass: f32) -> Self {
         let [f_static_p, f_static_n, f_dynamic_p, f_dynamic_n, damping_p, damping_n] = levels;

@@ -10,7 +10,7 @@
 
 use crate::Device;
 
-/// Growth of the force until the handle moves, N/s.
+/// Growth of the force until the handle moves, N/s. This and the next two are those of the default device; others scale them.
 const RATE: f32 = 20.0;
 /// Largest share of the actuator's force.
 const LIMIT: f32 = 0.8;
@@ -34,7 +34,9 @@ pub struct Probe {
 
 impl Probe {
     /// Room needed on either side, m.
-    pub const ROOM: f32 = FAR + 1e-3;
+    pub(crate) fn room(device: &Device) -> f32 {
+        device.length(FAR + 1e-3)
+    }
 
     pub(crate) fn start(count: u32) -> Self {
         Self { start: count, force: 0.0, moved: None }
@@ -43,16 +45,16 @@ impl Probe {
     /// One period: the force, N, or `None` after the end.
     pub(crate) fn step(&mut self, device: &Device, count: u32) -> Option<f32> {
         let travel = (count.wrapping_sub(self.start) as i32).unsigned_abs();
-        if travel as f32 * device.metre_per_count > FAR {
+        if travel as f32 * device.metre_per_count > device.length(FAR) {
             return None;
         }
         let Some(periods) = &mut self.moved else {
-            self.force += RATE * device.period;
+            self.force += device.force(RATE) * device.period;
             if travel >= MOVED {
                 self.moved = Some(0);
-                self.force += EXTRA;
+                self.force += device.force(EXTRA);
             }
-            return Some(self.force).filter(|force| *force <= LIMIT * device.force_max + EXTRA);
+            return Some(self.force).filter(|force| *force <= LIMIT * device.force_max + device.force(EXTRA));
         };
         *periods = periods.saturating_add(1);
         let part = *periods as f32 * device.period;

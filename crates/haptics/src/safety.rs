@@ -6,11 +6,6 @@ use crate::{Device, FaultKind, Inputs};
 /// Consecutive samples at a rail that are a fault. An impact saturates the accelerometer for a sample or two.
 const RAIL_SAMPLES: u8 = 3;
 
-/// A driven handle faults this far from the stops, m: before it.
-pub(crate) const DRIVEN: f32 = -0.5e-3;
-/// A handle that is held reaches the stops in normal use. It faults beyond them, m.
-pub(crate) const HELD: f32 = 1e-3;
-
 /// Motion in one step, as the checks see it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Motion {

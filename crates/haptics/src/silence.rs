@@ -16,7 +16,7 @@
 
 use crate::{Device, Inputs};
 
-/// Change of speed without a count that is a fault, m/s.
+/// Change of speed without a count that is a fault, m/s, on the default device.
 const SPEED: f32 = 0.05;
 /// Share of the momentum that the net force must explain.
 const SHARE: f32 = 0.25;
@@ -38,7 +38,7 @@ pub(crate) struct Bounds {
     code_per_newton: f32,
     /// [`SPEED`], accelerometer codes · periods.
     speed: f32,
-    /// Load cell codes that must accompany a code of the accelerometer.
+    /// Load cell codes that must accompany a code of the accelerometer. Negative if one of them is reversed.
     share: f32,
     /// Largest deviation from the predicted position that an acceleration explains, m. Twice the displacement of the largest
     /// acceleration in a period, for the lag of the velocity.
@@ -51,7 +51,7 @@ impl Bounds {
             keep: 1.0 - device.period / MEMORY_S,
             drift: device.period / DRIFT_S,
             code_per_newton: 1.0 / device.load.unit_per_code,
-            speed: SPEED / (device.period * device.accel.unit_per_code),
+            speed: device.speed(SPEED) / (device.period * device.accel.unit_per_code.abs()),
             jump: 2.0 * device.acceleration_max * device.period * device.period
                 + 4.0 * device.metre_per_count,
             share: SHARE * device.mass * device.accel.unit_per_code / device.load.unit_per_code,
@@ -133,7 +133,7 @@ impl Silence {
     #[inline]
     pub fn moves(&self, bounds: &Bounds) -> bool {
         let (speed, momentum) = (self.acceleration.sum, self.force.sum);
-        speed.abs() > bounds.speed
-            && if speed > 0.0 { momentum >= bounds.share * speed } else { momentum <= bounds.share * speed }
+        let needed = bounds.share * speed;
+        speed.abs() > bounds.speed && if needed > 0.0 { momentum >= needed } else { momentum <= needed }
     }
 }

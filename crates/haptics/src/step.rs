@@ -55,7 +55,7 @@ impl State {
             origin: 0,
             referenced: false,
             force_limit: device.unreferenced_force(),
-            reach: device.stroke + safety::HELD,
+            reach: device.stroke + device.held_margin(),
             homed: Homed::Interrupted,
             estimator: Estimator::default(),
             guard: Guard::default(),
@@ -75,7 +75,7 @@ impl State {
     /// The same, referenced: count 0 is the middle of the stroke.
     #[must_use]
     pub fn referenced(device: &Device) -> Self {
-        let reach = 0.5 * device.stroke + safety::HELD;
+        let reach = 0.5 * device.stroke + device.held_margin();
         Self { referenced: true, force_limit: device.force_max, reach, ..Self::new(device) }
     }
 
@@ -90,7 +90,17 @@ impl State {
     }
 
     /// Replaces a contact whose state does not fit the configuration.
-    fn take_up(&mut self, config: &Config, handle: &Handle) {
+    fn take_up(&mut self, config: &Config, inputs: &Inputs, handle: &Handle) {
+        if config.new_device {
+            // counts and codes have another meaning now
+            (self.guard, self.estimator) = (Guard::default(), Estimator::default());
+            self.estimator.sample(inputs.sample_ticks, inputs.count, inputs.edge_ticks);
+            if !matches!(self.mode, Mode::Fault(_)) {
+                self.mode = Mode::Idle;
+            }
+            self.refer(config, inputs.count, false);
+            return;
+        }
         self.limit(config);
         if let Mode::Rendering { contact, .. } = &mut self.mode {
             if !contact.fits(config) {
@@ -108,7 +118,7 @@ impl State {
         // a search limits its force itself
         let full = self.referenced || matches!(self.mode, Mode::Homing(_));
         self.force_limit = if full { device.force_max } else { config.unreferenced_force };
-        let margin = if matches!(self.mode, Mode::Exciting { .. }) { safety::DRIVEN } else { safety::HELD };
+        let margin = if matches!(self.mode, Mode::Exciting { .. }) { config.driven } else { config.held };
         self.reach = self.stops(device) + margin;
     }
 
@@ -221,7 +231,7 @@ impl State {
         let running = matches!(self.mode, Mode::Exciting { .. } | Mode::Probing(_) | Mode::Homing(_));
         let drives = matches!(request, Request::Probe | Request::Excite(_) | Request::Identify(_));
         // a hand may lean on a stop; what the checks would trip on is denied
-        let room = if drives { 0.0 } else { safety::HELD };
+        let room = if drives { 0.0 } else { config.held };
         match request {
             Request::Raise(kind) => {
                 self.latch(config, *kind, inputs.sample_ticks, handle);
@@ -281,7 +291,7 @@ impl State {
             _ if drives && !self.referenced => Err(Denied::Unreferenced),
             _ if !(handle.position.abs() <= self.stops(device) + room) => Err(Denied::OutsideStroke),
             Request::Probe => {
-                if !(handle.position.abs() <= 0.5 * device.stroke - Probe::ROOM) {
+                if !(handle.position.abs() <= 0.5 * device.stroke - Probe::room(device)) {
                     return Err(Denied::NoRoom);
                 }
                 self.mode = Mode::Probing(Probe::start(inputs.count));
@@ -363,7 +373,7 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         displacement: state.estimator.step() as f32 * device.metre_per_count,
     };
     if core::mem::take(&mut state.reconfigured) {
-        state.take_up(config, &handle);
+        state.take_up(config, inputs, &handle);
     }
     let denied = request.and_then(|request| state.obey(config, request, inputs, &handle).err());
 

@@ -2,6 +2,7 @@
 
 use crate::number::Text;
 use core::fmt;
+use friction::{Dimension, Geometry};
 
 /// Accepted values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,12 +40,55 @@ pub struct Refused {
     pub why: &'static str,
 }
 
+impl Refused {
+    /// The same in the units of a device of this geometry.
+    #[must_use]
+    pub fn on(&self, geometry: Geometry) -> On<'_, Self> {
+        On(self, geometry)
+    }
+}
+
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(effect) = self.effect {
+        self.on(Geometry::Linear).fmt(f)
+    }
+}
+
+impl fmt::Display for On<'_, Refused> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(Refused { effect, parameter, value, accepted, why }, geometry) = self;
+        if let Some(effect) = effect {
             write!(f, "{effect}.")?;
         }
-        write!(f, "{} = {}: {}; {}", self.parameter, Text(self.value), self.accepted, self.why)
+        write!(f, "{parameter} = {}: {accepted}; ", Text(*value))?;
+        reason(why, *geometry, f)
+    }
+}
+
+/// A verdict in the units of a device.
+#[derive(Debug, Clone, Copy)]
+pub struct On<'a, T>(&'a T, Geometry);
+
+/// Units that a reason begins with.
+const UNITS: &[(&str, Dimension)] = &[
+    ("N", Dimension::FORCE),
+    ("m", Dimension::LENGTH),
+    ("m/s", Dimension::VELOCITY),
+    ("m/s2", Dimension::ACCELERATION),
+    ("kg", Dimension::MASS),
+    ("N/m", Dimension::STIFFNESS),
+    ("N·s/m", Dimension::DAMPING),
+];
+
+/// A reason with the unit it begins with, if any, as that of this geometry.
+fn reason(why: &str, geometry: Geometry, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    // by bytes: a search for a character takes 2 kB of flash
+    let at = why.bytes().position(|byte| byte == b';').unwrap_or(why.len());
+    let (unit, rest) = why.split_at_checked(at).unwrap_or((why, ""));
+    let (bare, per_volt) = unit.strip_suffix("/V").map_or((unit, ""), |bare| (bare, "/V"));
+    match UNITS.iter().find(|(text, _)| *text == bare && geometry == Geometry::Rotary) {
+        Some((_, dimension)) => write!(f, "{}{per_volt}{rest}", dimension.unit(geometry)),
+        None => f.write_str(why),
     }
 }
 
@@ -63,21 +107,28 @@ pub struct Warning {
     pub why: &'static str,
 }
 
+impl Warning {
+    /// The same in the units of a device of this geometry.
+    #[must_use]
+    pub fn on(&self, geometry: Geometry) -> On<'_, Self> {
+        On(self, geometry)
+    }
+}
+
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let faithful = match self.faithful {
-            Accepted::AtMost(high) => {
-                let high = Text(high);
-                return write!(
-                    f,
-                    "{} = {}: faithful up to {high}; {}",
-                    self.parameter,
-                    Text(self.value),
-                    self.why
-                );
-            }
-            Accepted::AtLeast(low) | Accepted::Between(low, _) => Text(low),
+        self.on(Geometry::Linear).fmt(f)
+    }
+}
+
+impl fmt::Display for On<'_, Warning> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(Warning { parameter, value, faithful, why }, geometry) = self;
+        let (word, bound) = match faithful {
+            Accepted::AtMost(high) => ("up to", high),
+            Accepted::AtLeast(low) | Accepted::Between(low, _) => ("from", low),
         };
-        write!(f, "{} = {}: faithful from {faithful}; {}", self.parameter, Text(self.value), self.why)
+        write!(f, "{parameter} = {}: faithful {word} {}; ", Text(*value), Text(*bound))?;
+        reason(why, *geometry, f)
     }
 }

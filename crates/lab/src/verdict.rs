@@ -131,7 +131,7 @@ fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> S
     };
     let (low, high) = if choices.is_empty() { limits(settings, device, &name) } else { (None, None) };
     let value = settings.get(&name).map(|value| value.to_string()).unwrap_or_default();
-    let unit = p.unit().map_or_else(String::new, |unit| unit.to_string());
+    let unit = p.unit(device.geometry).map_or_else(String::new, |unit| unit.to_string());
     Shown { name, unit, what: p.what, value, low, high, choices }
 }
 

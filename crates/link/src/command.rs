@@ -1,10 +1,12 @@
 //! Parser of command lines.
 
 use core::fmt;
+use friction::Geometry;
 use haptics::{Excitation, Wave};
 
 /// A command to the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub enum Command<'a> {
     /// `help`
     Help,
@@ -47,6 +49,8 @@ pub enum Command<'a> {
     SelfTest,
     /// `calibrate …`
     Calibrate(Calibrate),
+    /// `device …`
+    Device(DeviceCommand<'a>),
     /// `watch [SECONDS [render]]`: longest silence of the host.
     Watch(Option<Watch>),
     /// `limit [NAME VALUE]`: a limit of the slow checks.
@@ -85,10 +89,12 @@ impl Sensor {
 
     /// Unit of the values.
     #[must_use]
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Load => "N",
-            Self::Accel => "m/s2",
+    pub const fn unit(self, geometry: Geometry) -> &'static str {
+        match (self, geometry) {
+            (Self::Load, Geometry::Linear) => "N",
+            (Self::Load, Geometry::Rotary) => "N·m",
+            (Self::Accel, Geometry::Linear) => "m/s2",
+            (Self::Accel, Geometry::Rotary) => "rad/s2",
         }
     }
 }
@@ -104,6 +110,21 @@ pub enum Calibrate {
     Discard,
     /// `calibrate status`
     Status,
+}
+
+/// Largest number of settings in one `device set`.
+pub const MAX_PAIRS: usize = haptics::DEVICE_SETTINGS.len();
+
+/// `device …`
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(clippy::large_enum_variant)] // no heap; one at a time
+pub enum DeviceCommand<'a> {
+    /// `device`
+    Show,
+    /// `device set NAME VALUE …`: names with their values, checked together.
+    Set([Option<(&'a str, &'a str)>; MAX_PAIRS]),
+    /// `device reset`
+    Reset,
 }
 
 /// `preset …`
@@ -221,6 +242,7 @@ impl<'a> Command<'a> {
             "move" => Self::Move(motion(&mut words)?),
             "stream" => Self::Stream(stream(&mut words)?),
             "calibrate" => Self::Calibrate(calibrate(&mut words)?),
+            "device" => Self::Device(device(&mut words)?),
             "watch" => Self::Watch(watch(&mut words)?),
             "limit" => Self::Limit(limit(&mut words)?),
             "rate" => Self::Rate(rate(&mut words)?),
@@ -291,6 +313,23 @@ fn calibrate<'a>(words: &mut Words<'a>) -> Result<Calibrate, BadCommand<'a>> {
     Ok(Calibrate::Point(sensor, value))
 }
 
+fn device<'a>(words: &mut Words<'a>) -> Result<DeviceCommand<'a>, BadCommand<'a>> {
+    Ok(match words.rest.next() {
+        None => DeviceCommand::Show,
+        Some("reset") => DeviceCommand::Reset,
+        Some("set") => {
+            let mut pairs = [None; MAX_PAIRS];
+            pairs[0] = Some((words.next()?, words.next()?));
+            for pair in &mut pairs[1..] {
+                let Some(name) = words.rest.next() else { break };
+                *pair = Some((name, words.next()?));
+            }
+            DeviceCommand::Set(pairs)
+        }
+        Some(word) => return Err(BadCommand::NotOneOf(word, "set, reset, or nothing")),
+    })
+}
+
 const WATCH: &str = "a number of seconds from 1 to 3600, or 0 for no watch";
 
 fn watch<'a>(words: &mut Words<'a>) -> Result<Option<Watch>, BadCommand<'a>> {
@@ -358,6 +397,14 @@ mod tests {
             ("selftest", Command::SelfTest),
             ("calibrate load 4.905", Command::Calibrate(Calibrate::Point(Sensor::Load, 4.905))),
             ("calibrate save", Command::Calibrate(Calibrate::Save)),
+            ("device", Command::Device(DeviceCommand::Show)),
+            ("device reset", Command::Device(DeviceCommand::Reset)),
+            (
+                "device set stroke 2 mass 1e-4",
+                Command::Device(DeviceCommand::Set(core::array::from_fn(|k| {
+                    [("stroke", "2"), ("mass", "1e-4")].get(k).copied()
+                }))),
+            ),
             ("watch", Command::Watch(None)),
             ("watch 0", Command::Watch(Some(Watch { seconds: 0.0, rendering: false }))),
             ("watch 2.5", Command::Watch(Some(Watch { seconds: 2.5, rendering: false }))),
@@ -391,6 +438,12 @@ mod tests {
                 "VALUE",
                 "SECONDS = `-1`: expected a number of seconds from 1 to 3600, or 0 for no watch",
             ),
+            (
+                "device set stroke",
+                "SYNTAX",
+                "missing word; usage: `device [set NAME VALUE [NAME VALUE …] | reset]`",
+            ),
+            ("device sett", "SYNTAX", "`sett`: expected one of set, reset, or nothing"),
             ("watch 2 rendre", "SYNTAX", "`rendre`: expected one of render, or nothing"),
             ("limit heating", "SYNTAX", "missing word; usage: `limit [NAME VALUE]`"),
             ("limit heating NaN", "VALUE", "VALUE = `NaN`: expected a finite number of N or s"),

@@ -45,6 +45,25 @@ pub struct Header {
     pub preset: String<24>,
     /// Encoder count at position 0. A stream has a new header when it changes.
     pub origin_count: i32,
+    /// Mechanics and limits of the device.
+    pub mechanics: Mechanics,
+}
+
+/// What is not in the codes: whether lengths are angles, and what the device bears.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mechanics {
+    /// Whether m is rad, N is N·m and kg is kg·m².
+    pub rotary: bool,
+    /// Distance between the stops, m.
+    pub stroke: f32,
+    /// Inertia of the handle, kg.
+    pub mass: f32,
+    /// Its damping, N·s/m.
+    pub damping: f32,
+    /// Largest force, N.
+    pub force_max: f32,
+    /// Largest speed, m/s.
+    pub overspeed: f32,
 }
 
 /// One control period.
@@ -88,7 +107,7 @@ impl Sample {
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant)] // no heap; one at a time
 pub enum Frame {
-    /// Format 3.
+    /// Format 5.
     Header(Header),
     /// Format 4.
     Sample(Sample),
@@ -99,7 +118,7 @@ impl Frame {
     #[must_use]
     pub fn format(&self) -> u8 {
         match self {
-            Self::Header(_) => 3,
+            Self::Header(_) => 5,
             Self::Sample(_) => 4,
         }
     }
@@ -139,9 +158,9 @@ pub fn decode_payload(payload: &[u8]) -> Option<(u32, Frame)> {
     }
     let [0, format, rest @ ..] = body else { return None };
     // no bytes may remain: a longer body is another format
-    // formats 1 and 2 are of firmware that knew no origin
+    // formats 1 and 2 are of firmware that knew no origin, 3 of one without settings of the device
     match format {
-        3 => match postcard::take_from_bytes::<(u32, Header)>(rest).ok()? {
+        5 => match postcard::take_from_bytes::<(u32, Header)>(rest).ok()? {
             ((seq, header), []) => Some((seq, Frame::Header(header))),
             _ => None,
         },

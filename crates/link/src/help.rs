@@ -51,6 +51,10 @@ pub const HELP: &[HelpLine] = &[
         "calibrate load|accel VALUE | save|discard|status",
         "the true value now, N or m/s2; at least two values, then save",
     ),
+    line(
+        "device [set NAME VALUE [NAME VALUE …] | reset]",
+        "the device: stroke, resolution, signs, gains …; stored, in use at once, unreferenced then",
+    ),
     line("rate [HZ]", "control rate; 1000 after a start"),
     line("version", "firmware version and board"),
 ];

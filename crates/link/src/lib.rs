@@ -21,9 +21,9 @@ mod off;
 mod preset;
 pub mod reply;
 
-pub use command::{BadCommand, Calibrate, Command, PresetCommand, Sensor, Watch};
+pub use command::{BadCommand, Calibrate, Command, DeviceCommand, PresetCommand, Sensor, Watch};
 pub use decoder::{Corrupt, Decoder, Item};
-pub use frame::{Channel, Frame, Header, MAX_WIRE, Sample, decode_payload, encode};
+pub use frame::{Channel, Frame, Header, MAX_WIRE, Mechanics, Sample, decode_payload, encode};
 pub use help::{HELP, HelpLine};
 pub use line::{BadLine, LineEditor, MAX_LINE};
 pub use off::OffDetector;

@@ -1,7 +1,7 @@
 //! Frames and text on one line, intact and corrupted.
 
 use haptics::Device;
-use link::{Channel, Corrupt, Decoder, Frame, Header, Item, MAX_WIRE, Sample, encode};
+use link::{Channel, Corrupt, Decoder, Frame, Header, Item, MAX_WIRE, Mechanics, Sample, encode};
 use proptest::prelude::*;
 
 fn sample() -> impl Strategy<Value = Sample> {
@@ -58,6 +58,14 @@ fn the_longest_frames_fit() {
         decimation: u32::MAX,
         preset: "abcdefghijklmnopqrstuvwx".try_into().unwrap(),
         origin_count: i32::MIN,
+        mechanics: Mechanics {
+            rotary: true,
+            stroke: 2.0,
+            mass: 1e-4,
+            damping: 1e-3,
+            force_max: 0.2,
+            overspeed: 60.0,
+        },
     };
     let widest = Sample {
         step: u32::MAX,

@@ -118,7 +118,7 @@ impl RigConfig {
     /// # Errors
     /// The first parameter out of range, with the range that would be accepted.
     pub fn validate(&self) -> Result<(), Invalid> {
-        in_range("device_mass", self.device_mass, 1e-3, 1e3)?;
+        in_range("device_mass", self.device_mass, 1e-9, 1e3)?;
         in_range("device_damping", self.device_damping, 0.0, 1e4)?;
         in_range("device_friction_p", self.device_friction_p, 0.0, 1e3)?;
         in_range("device_friction_n", self.device_friction_n, 0.0, 1e3)?;
@@ -171,7 +171,7 @@ impl RigConfig {
             let reduced = self.device_mass * self.block_mass / (self.device_mass + self.block_mass);
             in_range("coupling.stiffness", stiffness, 0.0, reduced / (h * h))?;
             in_range("coupling.damping", damping, 0.0, 0.5 * reduced / h)?;
-            in_range("block_mass", self.block_mass, 1e-3, 1e3)?;
+            in_range("block_mass", self.block_mass, 1e-9, 1e3)?;
         }
         Ok(())
     }

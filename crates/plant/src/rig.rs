@@ -255,7 +255,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         let block_on_handle = if self.rigid() { self.config.block_mass } else { 0.0 };
         self.handle.mass = self.config.device_mass + block_on_handle + self.hand_mass;
         self.handle.damping = self.config.device_damping;
-        self.block.mass = self.config.block_mass.max(1e-3);
+        self.block.mass = self.config.block_mass.max(1e-9);
         self.normal = self.config.normal_load.unwrap_or(self.config.block_mass * GRAVITY);
         self.steps = self.steps_of(self.config.substep());
     }

@@ -108,7 +108,6 @@ pub fn simulate(
         stroke: (4.0 * motion.amplitude + 0.01) as f32,
         overspeed: (8.0 * speed + 1.5) as f32,
         acceleration_max: 1e9,
-        load_capacity: (f64::from(Device::default().load_capacity) * range) as f32,
         load: Channel {
             offset_code: rig.calibration.load.offset_code as f32,
             unit_per_code: rig.calibration.load.unit_per_code as f32,

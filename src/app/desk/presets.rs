@@ -6,6 +6,7 @@ use crate::app::{DeskEnds, calibrate};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
+use haptics::Settings;
 use link::{CALIBRATION_KEY, Change, MAX_ITEM, Name, PresetCommand, PresetError};
 
 impl Desk {
@@ -14,7 +15,7 @@ impl Desk {
         if key != CALIBRATION_KEY {
             self.presets.load(key, item);
         } else if let Some(device) = calibrate::decode(item, &self.device) {
-            self.calibrated(device);
+            self.replaced(device);
         }
     }
 
@@ -34,6 +35,11 @@ impl Desk {
         {
             self.preset = Name::try_from(name).unwrap_or_default();
             self.settings = settings;
+        }
+        if self.settings.validate(&self.device).is_err()
+            && let Some(scaled) = Settings::brass().scaled_to(&self.device)
+        {
+            (self.settings, self.changed) = (scaled, true);
         }
     }
 

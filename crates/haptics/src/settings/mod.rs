@@ -6,7 +6,7 @@ mod parameters;
 mod validate;
 
 pub use effects::{PASSIVITY_CYCLES, effect_cycles};
-pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, Value};
+pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, SetWhy, Value};
 
 use friction::effects::Effect;
 use serde::{Deserialize, Serialize};

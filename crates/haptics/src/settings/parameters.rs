@@ -21,10 +21,10 @@ impl Parameter {
         Self { name, dimension: Some(dimension), what }
     }
 
-    /// Its SI unit on the slide that the device is.
+    /// Its SI unit on a device of this geometry.
     #[must_use]
-    pub fn unit(&self) -> Option<Unit> {
-        self.dimension.map(|dimension| dimension.unit(Geometry::Linear))
+    pub fn unit(&self, geometry: Geometry) -> Option<Unit> {
+        self.dimension.map(|dimension| dimension.unit(geometry))
     }
 }
 
@@ -65,6 +65,8 @@ pub struct SetError<'a> {
 pub enum SetWhy {
     /// Unknown parameter.
     UnknownParameter,
+    /// Unknown setting of the device.
+    UnknownDeviceSetting,
     /// Not a finite number.
     NotANumber,
     /// A word that is not accepted, with those that are.
@@ -84,6 +86,7 @@ impl fmt::Display for SetError<'_> {
         let Self { name, value, .. } = self;
         match self.why {
             SetWhy::UnknownParameter => write!(f, "unknown parameter `{name}`; `help` lists all"),
+            SetWhy::UnknownDeviceSetting => write!(f, "unknown setting `{name}`; `device` lists all"),
             SetWhy::NotANumber => write!(f, "{name} = `{value}`: expected a finite number"),
             SetWhy::NotOneOf(words) => write!(f, "{name} = `{value}`: expected one of {words}"),
             SetWhy::UnknownOfEffect(effect, gains, shape) => {

@@ -6,7 +6,7 @@ use crate::{Accepted, Device, Refused, Warning, bounds, number};
 use friction::effects::{Effect, EffectKind, EffectState, Scale};
 use friction::{Dimension, Motion};
 
-/// Largest mass of a virtual block, kg.
+/// Largest mass of a virtual block, kg. This and the next are those of the default device.
 const HEAVIEST: f32 = 100.0;
 /// Smallest mass of a virtual block, kg.
 const LIGHTEST: f32 = 1e-3;
@@ -17,7 +17,7 @@ const SLOWEST: f32 = 1e-6;
 /// Usable share of a bound on damping. A period of delay halves the stable damping of the sampled device.
 const DAMPING_SHARE: f32 = 0.5;
 
-/// Speed of a hand that feels a pattern, m/s.
+/// Speed of a hand that feels a pattern, m/s, on the default device.
 const HAND_SPEED: f32 = 0.1;
 /// Periods in which it crosses a wave at least.
 const SAMPLES: f32 = 8.0;
@@ -155,11 +155,17 @@ impl Settings {
         let most = at_most(Self::damping_cap(device));
         within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, the handle oscillates with a period of delay")?;
         let most = at_most(Self::stiffness_cap(device, self.b_vc));
-        if self.k_vc > most && (LIGHTEST..=HEAVIEST).contains(&self.mass) {
+        if self.k_vc > most && (device.inertia(LIGHTEST)..=device.inertia(HEAVIEST)).contains(&self.mass) {
             // the number in the message must be accepted
             self.free_block(device, most)?;
         }
-        within("k_vc", self.k_vc, 1.0, most, "N/m; above, the stuck handle oscillates (eq. 4.18)")
+        within(
+            "k_vc",
+            self.k_vc,
+            device.stiffness(1.0),
+            most,
+            "N/m; above, the stuck handle oscillates (eq. 4.18)",
+        )
     }
 
     /// Stiffness of the bristles, N/m. 0 for a law without bristles.
@@ -216,7 +222,7 @@ impl Settings {
         let why = "N·s/m; above, the contact oscillates";
         within("sigma_1", self.sigma_1, 0.0, sigma_1_most, why)?;
         let why = "N/m; above, the contact oscillates on its bristles (eq. 4.18, 4.35)";
-        within("sigma", self.sigma, 1.0, sigma_most, why)
+        within("sigma", self.sigma, device.stiffness(1.0), sigma_most, why)
     }
 
     /// Larger viscous damping if it is in range. Otherwise 0: it is refused by its own check.
@@ -230,7 +236,7 @@ impl Settings {
     /// [thesis, eq. 4.35]. Bristles that are unstable with a block of 1 kg are refused by their own check.
     fn block(&self, device: &Device) -> Result<(), Refused> {
         let why = "kg; a lighter block oscillates on its coupling (eq. 4.35)";
-        let mut lightest = LIGHTEST;
+        let (mut lightest, heaviest) = (device.inertia(LIGHTEST), device.inertia(HEAVIEST));
         if self.renderer.has_block() {
             let period = device.period;
             let mut damping = self.b_vc + self.viscous_within(device);
@@ -243,9 +249,9 @@ impl Settings {
                 stiffness += sigma;
             }
             let needed = (stiffness * period * period + 2.0 * damping * period) / 4.0 * HEAVIER;
-            lightest = LIGHTEST.max(at_least(needed / self.share_of_mass(device)));
+            lightest = lightest.max(at_least(needed / self.share_of_mass(device)));
         }
-        within("mass", self.mass, lightest, HEAVIEST, why)
+        within("mass", self.mass, lightest, heaviest, why)
     }
 
     /// Checks a free handle and block on a coupling of at most `k_vc`, N/m, with the complete sampled loop.
@@ -266,7 +272,8 @@ impl Settings {
             return Ok(());
         }
         let most = at_most(pair.stiffness_max(self.b_vc, asked) / HEAVIER);
-        within("k_vc", self.k_vc, 1.0, most, "N/m; above, handle and sliding block swing against each other")
+        let why = "N/m; above, handle and sliding block swing against each other";
+        within("k_vc", self.k_vc, device.stiffness(1.0), most, why)
     }
 
     fn check_effects(&self, device: &Device) -> Result<(), Refused> {
@@ -382,11 +389,12 @@ impl Settings {
             })
         };
         let steep = wavelength * slope / self.k_vc;
-        let sampled = SAMPLES * HAND_SPEED * device.period;
-        warn(sampled, "m; below, a hand at 0.1 m/s crosses a wave in fewer than 8 periods").or_else(|| {
-            let why = "m; below, the pattern is steeper than the coupling, and the handle jumps over it";
-            if self.renderer.has_block() { warn(steep, why) } else { None }
-        })
+        let sampled = SAMPLES * device.speed(HAND_SPEED) * device.period;
+        warn(sampled, "m; below, a hand at a tenth of the overspeed crosses a wave in fewer than 8 periods")
+            .or_else(|| {
+                let why = "m; below, the pattern is steeper than the coupling, and the handle jumps over it";
+                if self.renderer.has_block() { warn(steep, why) } else { None }
+            })
     }
 
     /// Warns of a Δv below the zero-crossing limit cycle: the block chatters instead of stopping [thesis, eq. 4.21 and 4.35].

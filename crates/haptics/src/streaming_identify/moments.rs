@@ -2,8 +2,8 @@
 
 use crate::Device;
 
-/// Steps of velocity in 1 m/s. Velocity at a sample is a sum of two, so it has twice as many.
-pub(super) const PER_M_S: f32 = 1_048_576.0;
+/// Steps of velocity in the overspeed. Velocity at a sample is a sum of two, so it has twice as many.
+const PER_OVERSPEED: f32 = 1_048_576.0;
 /// Largest magnitude of velocity, difference and roughness that is taken, steps: no sum can overflow.
 const MOST: i32 = 1 << 22;
 /// Middle of the converters' range.
@@ -39,10 +39,15 @@ const FF: usize = 17;
 /// Squares of fourth differences of velocity: what is left of a smooth motion is noise.
 const ROUGH: usize = 18;
 
+/// Steps of velocity in 1 m/s on this device.
+pub(super) fn per_m_s(device: &Device) -> f32 {
+    PER_OVERSPEED / device.overspeed
+}
+
 /// Velocity in steps.
-pub(super) fn steps(velocity: f32) -> i32 {
+pub(super) fn steps(velocity: f32, per_m_s: f32) -> i32 {
     // `as` saturates and takes NaN to 0
-    ((velocity * PER_M_S) as i32).clamp(-MOST / 2, MOST / 2)
+    ((velocity * per_m_s) as i32).clamp(-MOST / 2, MOST / 2)
 }
 
 /// Accelerometer and load cell of one sample, codes from the middle of their range.
@@ -182,7 +187,7 @@ pub(super) struct Units {
 impl Units {
     pub fn of(device: &Device) -> Self {
         let rate = 1.0 / device.period;
-        let v = 0.5 / PER_M_S;
+        let v = 0.5 / per_m_s(device);
         Self {
             rate,
             d: v * rate * (1.0 / 6.0),

@@ -1,6 +1,6 @@
 //! What runs in the control step: delay line, differences, sums.
 
-use super::moments::{Codes, Moments, PER_M_S, SUMS, steps};
+use super::moments::{Codes, Moments, SUMS, per_m_s, steps};
 use crate::{Accepted, Config, Device, Excitation, Refused, Wave};
 
 /// Bands of speed. All but the last are of one width and span the lower three tenths of the top speed; the last has the rest.
@@ -10,6 +10,11 @@ const SLOW: f32 = 0.3;
 
 /// Speed beyond which the handle is surely not at rest, as a share of a band.
 pub(super) const MOVING: f32 = 0.25;
+
+/// Highest frequency of the default device at the amplitude of the default procedure, Hz.
+const FASTEST_HZ: f32 = 5.89;
+/// Highest frequency of the procedure on any device, Hz: a hundred periods of the slowest loop.
+const MOST_HZ: f32 = 10.0;
 
 /// The identification procedure. `default()` is that of [thesis, ch. 3.5.2, 3.5.3].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +38,15 @@ impl Default for Procedure {
 }
 
 impl Procedure {
+    /// The default procedure on this device: the same share of the stroke, and of the highest frequency.
+    #[must_use]
+    pub fn of(device: &Device) -> Self {
+        let own = Self::default();
+        let amplitude_m = device.length(own.amplitude_m);
+        let fastest = Excitation { amplitude_m, ..own.excitation() }.fastest(device);
+        Self { amplitude_m, frequency_hz: MOST_HZ.min(own.frequency_hz * (fastest / FASTEST_HZ)), ..own }
+    }
+
     /// The motion that carries it.
     #[must_use]
     pub fn excitation(&self) -> Excitation {
@@ -108,10 +122,12 @@ impl Number {
 }
 
 /// An identification: its progress and its sums. It stays where it is and is read number by number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recorder {
     begin: u32,
     end: u32,
+    /// Steps of velocity in 1 m/s.
+    per_m_s: f32,
     /// Bands per step of centred velocity, times 2³².
     per_step: u32,
     /// Speed beyond which the handle is surely not at rest, and what it gains in two periods when it leaves rest.
@@ -132,6 +148,7 @@ impl Default for Recorder {
         Self {
             begin: 0,
             end: 0,
+            per_m_s: 0.0,
             per_step: 0,
             moving: 0,
             gaining: 0,
@@ -148,7 +165,8 @@ impl Recorder {
     /// Begins anew.
     pub(crate) fn start(&mut self, config: &Config, procedure: &Procedure) {
         let rate = config.timing.rate;
-        let width = procedure.band_width() * (2.0 * PER_M_S);
+        self.per_m_s = per_m_s(&config.device);
+        let width = procedure.band_width() * (2.0 * self.per_m_s);
         // `as` saturates
         self.begin = (procedure.warm_up_s * rate) as u32;
         self.end = self.begin.saturating_add((procedure.record_s * rate) as u32);
@@ -178,7 +196,7 @@ impl Recorder {
             return false;
         }
         let [_, a, b, c, d, e] = self.means;
-        self.means = [a, b, c, d, e, steps(velocity)];
+        self.means = [a, b, c, d, e, steps(velocity, self.per_m_s)];
         let [_, x, y, z] = self.codes;
         self.codes = [x, y, z, Codes::new(accel_code, load_code)];
         if self.filled < 6 {

@@ -58,7 +58,6 @@ pub(super) fn begin_file(
     notes: Vec<(String, String)>,
 ) -> Result<RecordingFile, String> {
     // the header says which preset was active when the stream began; the notes say which one is now
-    let heads: Vec<_> = header.notes().into_iter().filter(|(key, _)| key != "preset").collect();
-    RecordingFile::create(path, &heads, &Plan { motion: None, seconds: 0.0, notes })
+    RecordingFile::create(path, header, &Plan { motion: None, seconds: 0.0, notes })
         .map_err(|e| e.to_string())
 }
