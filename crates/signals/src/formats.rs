@@ -251,8 +251,7 @@ fn read(path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
 /// Reads a file in memory.
 fn in_memory(name: &str, bytes: &[u8], wanted: &Wanted) -> Result<Recording, Error> {
     let head = &bytes[..bytes.len().min(HEAD)];
-    let format =
-        recognised(Path::new(name), head).map_err(|why| Error::File { file: name.into(), why })?;
+    let format = recognised(Path::new(name), head).map_err(|why| Error::File { file: name.into(), why })?;
     Ok(Recording { name: name.into(), ..parsed(format, name, bytes.into(), wanted)? })
 }
 

@@ -16,6 +16,9 @@
   let workers = [];
   let answers = {};
   let shown = null;
+  let byHand = false; // a report that somebody chose is not taken away
+  let commands = {}; // as they were when the work began
+  let turn = 0;
 
   // the program: base64 of a deflated module
   const program = (async () => {
@@ -41,12 +44,14 @@
     say("refused", message);
     if (help) say("help", help);
     if (/no column|no variable|no header|map, column/.test(message)) {
-      say("help", "Say below “Columns with other names” what the columns are, then Analyse.");
+      say("help", "Say below which columns are time, position and force, then press Analyse.");
       document.body.classList.add("foreign");
+      $("#settings").open = true;
     }
   }
 
   function stop() {
+    turn += 1;
     for (const worker of workers) worker.terminate();
     workers = [];
     $("#work").hidden = true;
@@ -72,15 +77,19 @@
     return words.join(" ");
   }
 
-  function show(what) {
-    shown = what;
+  function offer() {
     for (const [name, { tab }] of Object.entries(KINDS)) {
       tab.disabled = !answers[name];
-      tab.setAttribute("aria-selected", String(name === what));
+      tab.setAttribute("aria-selected", String(name === shown));
     }
+  }
+
+  function show(what) {
+    shown = what;
+    offer();
     $("#results").hidden = false;
     $("#report").srcdoc = answers[what].html;
-    $("#command").textContent = `The same in a terminal: ${answers[what].command}`;
+    $("#command").textContent = `The same in a terminal: ${commands[what]}`;
     const downloads = $("#downloads");
     for (const link of downloads.children) URL.revokeObjectURL(link.href);
     const { html, json, model } = answers[what];
@@ -110,8 +119,8 @@
       $("#doing").textContent = `diagnosing: ${doing}`;
     }
     if (answer) {
-      answers[what] = { ...answer, command: command(what) };
-      if (what === "diagnose" || shown === null) show(what); else show(shown);
+      answers[what] = answer;
+      if (shown === null || (what === "diagnose" && !byHand)) show(what); else offer();
     }
     if (refused !== undefined && !$("#said").textContent.includes(refused.split("\n")[0])) refuse(refused);
     if (bug !== undefined) {
@@ -121,7 +130,12 @@
     if (answer || refused !== undefined || bug !== undefined) {
       worker.terminate();
       workers = workers.filter((other) => other !== worker);
-      if (workers.length === 0) stop();
+      if (workers.length === 0) {
+        stop();
+        const missing = Object.keys(KINDS).filter((kind) => !answers[kind]);
+        if (missing.length === 1) say("help", `${KINDS[missing[0]].fails}.`);
+        if (shown !== null && !byHand) $("#results").scrollIntoView({ behavior: "smooth" });
+      }
     }
   }
 
@@ -129,21 +143,24 @@
     stop();
     answers = {};
     shown = null;
+    byHand = false;
     $("#results").hidden = true;
     $("#said").replaceChildren();
     document.body.classList.remove("foreign");
     if (files.length === 0) return;
+    $("#chosen").hidden = false;
     $("#chosen").textContent = files.map((file) => file.name).join(", ");
     $("#work").hidden = false;
     $("#work progress").removeAttribute("value");
     $("#doing").textContent = "reading";
-    const asked = files;
+    commands = Object.fromEntries(Object.keys(KINDS).map((what) => [what, command(what)]));
+    const asked = turn;
     try {
       const module = await program;
       const contents = await Promise.all(
-        asked.map(async (file) => ({ name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) })),
+        files.map(async (file) => ({ name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) })),
       );
-      if (asked !== files || $("#work").hidden) return;
+      if (asked !== turn) return;
       for (const what of Object.keys(KINDS)) {
         const worker = new Worker(workerUrl);
         workers.push(worker);
@@ -152,14 +169,18 @@
         worker.postMessage({ module, files: contents, options: options(), what });
       }
     } catch (error) {
+      if (asked !== turn) return;
       stop();
       say("refused", `The files cannot be read, or this browser is too old: ${error.message}`);
     }
   }
 
-  function take(list) {
+  function take(list, map = "") {
+    if (list.length === 0) return;
     files = [...list];
-    if (files.length > 0) run();
+    // the map of the example is of no other file
+    if (map || form.elements.map.value === EXAMPLE.map) form.elements.map.value = map;
+    run();
   }
 
   $("#files").addEventListener("change", (event) => {
@@ -167,12 +188,13 @@
     event.target.value = ""; // the same file again, once it is changed
   });
   $("#example").addEventListener("click", () => {
-    form.elements.map.value = EXAMPLE.map;
-    take([new File([text("recording")], EXAMPLE.name)]);
+    take([new File([text("recording")], EXAMPLE.name)], EXAMPLE.map);
   });
   form.addEventListener("submit", (event) => { event.preventDefault(); run(); });
   $("#cancel").addEventListener("click", () => { stop(); say("remark", "Cancelled."); });
-  for (const [what, { tab }] of Object.entries(KINDS)) tab.addEventListener("click", () => show(what));
+  for (const [what, { tab }] of Object.entries(KINDS)) {
+    tab.addEventListener("click", () => { byHand = true; show(what); });
+  }
 
   // what is typed into the columns becomes the map
   $("#columns").addEventListener("input", (event) => {

@@ -86,8 +86,7 @@ impl Analysis {
             options.map.lines().map(str::trim).filter(|map| !map.is_empty()).map(str::to_owned).collect();
         let joint = Some(options.joint.trim()).filter(|joint| !joint.is_empty());
         let recordings = read_bytes(files, &maps, joint)?;
-        let options =
-            diagnose::Options { declared_noise: noise, cutoff_hz, ..diagnose::Options::default() };
+        let options = diagnose::Options { declared_noise: noise, cutoff_hz, ..diagnose::Options::default() };
         diagnosed::check(&options, recordings.len())?;
         Ok(Self { recordings, how: How { law, cutoff_hz, ..How::default() }, options })
     }
@@ -95,7 +94,8 @@ impl Analysis {
     /// What reading did to the numbers, a line each.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
-        let of = |r: &Recording| r.remarks.iter().map(|text| format!("{}: {text}", r.name)).collect::<Vec<_>>();
+        let of =
+            |r: &Recording| r.remarks.iter().map(|text| format!("{}: {text}", r.name)).collect::<Vec<_>>();
         self.recordings.iter().flat_map(of).collect()
     }
 
@@ -124,9 +124,10 @@ impl Analysis {
             .map_err(|e| Refusal::from(procedures::Error::from(e)))?;
         let name = self.recordings.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
         let json = serde_json::to_string_pretty(&found).map_err(|e| Refusal(e.to_string()))?;
-        let model = found.model.clone().map(|model| {
-            identify::Model { name: model_name(&self.recordings), ..model }.to_toml()
-        });
+        let model = found
+            .model
+            .clone()
+            .map(|model| identify::Model { name: model_name(&self.recordings), ..model }.to_toml());
         Ok(Answer { html: report::diagnosis(&found, &name), json: format!("{json}\n"), model })
     }
 }
@@ -154,10 +155,10 @@ mod tests {
         );
         assert!(with(&|o| o.noise = "loud".into()).starts_with("noise: `loud`: a standard deviation in N"));
         assert!(with(&|o| o.law = "stokes".into()).contains("accepted are karnopp, dahl"));
-        assert_eq!(
-            with(&|_| {}),
-            "a.csv:1: no column time_s; the header has t, x, F"
+        assert_eq!(with(&|_| {}), "a.csv:1: no column time_s; the header has t, x, F");
+        assert!(
+            with(&|o| o.map = "time_s=t,position_m=y,force_n=F".into())
+                .contains("no variable `y`; it has t, x, F")
         );
-        assert!(with(&|o| o.map = "time_s=t,position_m=y,force_n=F".into()).contains("no variable `y`; it has t, x, F"));
     }
 }

@@ -16,7 +16,9 @@ mod page {
     /// The page around what wasm-bindgen made.
     pub(super) fn page(glue: &str, program: &[u8]) -> Result<String, String> {
         let worker = format!("{glue}\n{WORKER}");
-        for (what, text) in [("the worker", worker.as_str()), ("the script", SCRIPT), ("the example", EXAMPLE)] {
+        for (what, text) in
+            [("the worker", worker.as_str()), ("the script", SCRIPT), ("the example", EXAMPLE)]
+        {
             if text.to_ascii_lowercase().contains("</script") {
                 return Err(format!("{what} has `</script`, which would end its element"));
             }
@@ -60,7 +62,10 @@ mod page {
                 assert!(!page.contains(outside), "{outside}");
             }
             assert!(page.contains("connect-src 'none'"));
-            assert_eq!(super::page("</Script>", b"").unwrap_err(), "the worker has `</script`, which would end its element");
+            assert_eq!(
+                super::page("</Script>", b"").unwrap_err(),
+                "the worker has `</script`, which would end its element"
+            );
         }
     }
 }
