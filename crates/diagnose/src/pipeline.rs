@@ -12,7 +12,7 @@ use crate::findings::unnamed::SEVERAL;
 use crate::findings::validate::{Judge, judges};
 use crate::free_form;
 use crate::library::baseline::BASELINE;
-use crate::library::design_matrix::DesignMatrix;
+use crate::library::design_matrix::{DesignMatrix, FEWEST_ROWS};
 use crate::library::series;
 use crate::library::term::TermKind;
 use crate::naming::{self, Named};
@@ -34,7 +34,7 @@ use crate::search::judgement::Search;
 use crate::search::lasting::{self, Withdrawn};
 use crate::search::regression::Regression;
 use friction::Dimension;
-use friction::effects::Parameter;
+use friction::effects::{Describe, Parameter, Unnamed};
 use friction::parameters::{DELAY, DELTA_V};
 use rayon::prelude::*;
 use signals::{
@@ -145,7 +145,7 @@ pub fn diagnose_watched(
             "too few samples in motion are left after those with an unknown direction are set aside",
         ));
     };
-    let Some(regression) = Regression::new(design, &intake, options) else {
+    let Some(regression) = Regression::new(design, options) else {
         return Ok(untestable(
             intake,
             "mass, friction and what is declared to differ between the recordings cannot be told apart on this motion: \
@@ -160,13 +160,42 @@ pub fn diagnose_watched(
         j.reversals.kept = intake.reversals.kept;
         j
     });
-    let mut named = naming::name(&intake, regression, cutoff, options, watch)?;
-    let judges = judged.map_or_else(Vec::new, |j| judges(&j, cutoff, &named.regression, &named.acting));
     let names: Vec<&str> = validate.iter().map(|r| r.name.as_str()).collect();
-    named.confirm(&judges, options, cutoff, &names.join(", "));
-    tell(watch, 0.8, "what has no name")?;
-    named.describe(&judges, options, cutoff, watch)?;
-    Ok(Run { intake, cutoff, options, origins, named }.diagnose(&judges, watch)?)
+    let mut astray = None;
+    let (named, judges) = loop {
+        let mut named = naming::name_beside_columns(&intake, regression.clone(), cutoff, options, watch)?;
+        let of = |judged| judges(judged, cutoff, &named.regression, &named.acting);
+        let judges = judged.as_ref().map_or_else(Vec::new, of);
+        named.confirm(&judges, options, cutoff, &names.join(", "));
+        tell(watch, 0.8, "what has no name")?;
+        named.describe(&judges, options, cutoff, watch)?;
+        let frozen = named.frozen(&named.last, options);
+        let error = |h: &Hypothesis| {
+            let (sum, rows) = frozen.squared(&judges, h);
+            (sum / rows.max(1.0)).sqrt()
+        };
+        let (before, after) = (error(&named.regression.plain), error(&named.last));
+        if named.regression.followed.is_empty() || judges.is_empty() || after <= before {
+            break (named, judges);
+        }
+        // what the error followed here it does not follow there
+        astray = Some(CarriesNot {
+            effect: Unnamed::ABOUT.id.into(),
+            regime: names.join(", "),
+            rms_before: before,
+            rms_after: after,
+        });
+        intake.extra.clear();
+    };
+    let judging = |name: &&str| judges.iter().any(|j| j.name() == *name);
+    for name in names.iter().filter(|name| !judging(name)) {
+        let why = format!(
+            "{name} cannot judge: behind a filter at {cutoff:.3} Hz fewer than {FEWEST_ROWS} samples are left in which the \
+             body surely slides"
+        );
+        intake.faults.push(RecordingFault::new(FaultKind::TooShort, None, why));
+    }
+    Ok(Run { intake, cutoff, options, origins, named, astray }.diagnose(&judges, watch)?)
 }
 
 /// A delay of up to one sample between force and position is how the recording was made, not physics: it is fitted
@@ -190,6 +219,8 @@ struct Run<'a> {
     options: &'a Options,
     origins: Vec<(usize, Option<(f64, f64)>)>,
     named: Named,
+    /// Curves over further columns that do not hold on other recordings.
+    astray: Option<CarriesNot>,
 }
 
 impl Run<'_> {
@@ -235,7 +266,7 @@ impl Run<'_> {
         );
 
         let followed = &named.regression.followed;
-        let before = baseline.fit.heldout_sum();
+        let before = named.regression.plain.fit.heldout_sum();
         let after = last.fit.heldout_sum();
         let kin: Vec<&str> = named.kin.iter().map(TermKind::id).collect();
         let unnamed: Vec<Missing> = last
@@ -349,7 +380,7 @@ impl Run<'_> {
             baseline: Baseline {
                 law: "karnopp".into(),
                 parameters: self.parameters(&baseline.fit),
-                rms_heldout: followed.first().map_or(to_rms(before), |f| f.rms.0),
+                rms_heldout: to_rms(before),
             },
             location,
             instruments,
@@ -558,14 +589,14 @@ impl Run<'_> {
             rms_before: w.rms.0,
             rms_after: w.rms.1,
         };
-        self.named.withdrawn.iter().map(of).collect()
+        self.named.withdrawn.iter().map(of).chain(self.astray.clone()).collect()
     }
 
     /// Error on the recordings that judge; without any, on the regime left out in which the model does worst.
     fn left_out(&self, judges: &[Judge], found: &Hypothesis, search: &Search) -> Option<LeftOut> {
         let named = &self.named;
         if judges.is_empty() {
-            return lasting::left_out(search, found, &named.regimes)
+            return lasting::left_out(search, found, &named.regimes, named.regression.plain_columns())
                 .map(|(on, rms_before, rms_after)| LeftOut { on, rms_before, rms_after });
         }
         let frozen = named.frozen(found, self.options);
@@ -574,7 +605,7 @@ impl Run<'_> {
             (sum / rows.max(1.0)).sqrt()
         };
         let on: Vec<&str> = judges.iter().map(Judge::name).collect();
-        let (rms_before, rms_after) = (rms(&named.regression.baseline), rms(found));
+        let (rms_before, rms_after) = (rms(&named.regression.plain), rms(found));
         Some(LeftOut { on: on.join(", "), rms_before, rms_after })
     }
 

@@ -19,6 +19,9 @@ static MACHINES: Need = Need::new(|| {
     folders.iter().find_map(|folder| recordings(folder).err())
 });
 
+static ARMS: Need =
+    Need::new(|| ["mtm_joints", "panda_joints"].iter().find_map(|folder| recordings(folder).err()));
+
 fn main() -> ExitCode {
     untested::run!(
         tests![silverbox_is_a_nonlinear_spring_without_dry_friction].needing(&SILVERBOX),
@@ -26,6 +29,8 @@ fn main() -> ExitCode {
         tests![a_pneumatic_seal_rubs_harder_under_pressure].needing(&SEAL),
         tests![a_frozen_model_is_no_worse_than_the_baseline_on_the_next_record].needing(&MACHINES),
         tests![motion_in_one_direction_is_a_recording].needing(&MACHINES),
+        tests![a_joint_that_is_coupled_to_others_has_no_ripple].needing(&ARMS),
+        tests![a_damper_with_play_has_lost_motion].needing(&MACHINES),
     )
 }
 
@@ -41,8 +46,8 @@ fn files(folder: &str, part: &str) -> Vec<PathBuf> {
 }
 
 fn read(path: &PathBuf, map: &str) -> Recording {
-    let map: Map = map.parse().expect("a map");
-    Recording::read(path, &ReadOptions { map: Some(map), ..ReadOptions::default() }).expect("a recording")
+    let map: Option<Map> = (!map.is_empty()).then(|| map.parse().expect("a map"));
+    Recording::read(path, &ReadOptions { map, ..ReadOptions::default() }).expect("a recording")
 }
 
 fn part(r: &Recording, from: usize, to: usize) -> Recording {
@@ -189,8 +194,7 @@ fn a_pneumatic_seal_rubs_harder_under_pressure() {
 
 /// A recording whose header is one of tribos's own.
 fn given(file: &str) -> Recording {
-    let path = recordings(file).expect("a recording");
-    Recording::read(path, &ReadOptions::default()).expect("a recording")
+    read(&recordings(file).expect("a recording"), "")
 }
 
 /// A record of a machine, and the next one.
@@ -216,5 +220,24 @@ fn motion_in_one_direction_is_a_recording() {
         let found = found(&[given(file)], &[]);
         assert_ne!(found.verdict, Verdict::NotTestable, "{file}");
         assert!(!found.after.parameters.contains_key("coulomb_n"), "{file}: it only goes forward");
+    }
+}
+
+/// The other joints of the arms move, too, and are not in the files.
+fn a_joint_that_is_coupled_to_others_has_no_ripple() {
+    let all = [files("mtm_joints", ".csv"), files("panda_joints", ".csv")].concat();
+    assert_eq!(all.len(), 13);
+    for file in all {
+        let found = found(&[read(&file, "")], &[]);
+        for line in ["cogging", "periodic_friction", "torque_ripple", "encoder_eccentricity"] {
+            assert!(!names(&found, line), "{}: {line}", file.display());
+        }
+    }
+}
+
+fn a_damper_with_play_has_lost_motion() {
+    for file in files("friction_damper", ".csv") {
+        let found = found(&[read(&file, "")], &[]);
+        assert!(names(&found, "lost_motion"), "{}", file.display());
     }
 }

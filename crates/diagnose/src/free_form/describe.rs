@@ -5,9 +5,8 @@ use crate::free_form::crossing;
 use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::{FOLDS, Fit, fit};
-use crate::regression::sign_flips::{block_scores, family};
 use crate::search::hypothesis::Hypothesis;
-use crate::search::judgement::{FLIPS, LEVEL, Search};
+use crate::search::judgement::{LEVEL, Search};
 use crate::search::lasting::{self, Regime};
 use rayon::prelude::*;
 use signals::{Basis, dot};
@@ -209,28 +208,12 @@ fn simplest(trials: &mut Vec<Trial>) -> Option<Trial> {
 
 /// Family-wise p of the best column of each trial.
 fn significance(search: &Search, parent: &Fit, trials: &[Trial], basis: &Basis) -> Option<Vec<f64>> {
-    let design = search.design;
-    let child = &trials.first()?.fit.residual;
-    let spread = (dot(child, child) / child.len().max(1) as f64).sqrt();
-    let score = |(i, trial): (usize, &Trial)| -> Vec<_> {
-        let of = |column: &Vec<f64>| {
-            let rest = basis.project_out(column);
-            let scores = |residual: &[f64]| block_scores(&rest, residual, &design.blocks);
-            (i, scores(&parent.residual), scores(child), dot(&rest, &rest).sqrt() * spread)
-        };
-        trial.term.columns.iter().map(of).collect()
-    };
-    let all: Vec<_> = trials.par_iter().enumerate().flat_map_iter(score).collect();
-    let (mut of, mut observed, mut noise, mut scale) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for (i, o, n, s) in all {
-        of.push(i);
-        observed.push(o);
-        noise.push(n);
-        scale.push(s);
-    }
-    let outcome = family(&observed, &noise, &scale, FLIPS, search.seed ^ 0xf4ee);
+    let child = &trials.first()?.fit;
+    let columns = trials.iter().enumerate();
+    let columns = columns.flat_map(|(i, t)| t.term.columns.iter().map(move |c| (i, c.as_slice()))).collect();
+    let (of, family) = search.family(basis, parent, child, columns);
     let mut out = vec![1.0_f64; trials.len()];
-    for (i, p) in of.into_iter().zip(outcome.p) {
+    for (i, p) in of.into_iter().zip(family.p) {
         out[i] = out[i].min(p);
     }
     Some(out)

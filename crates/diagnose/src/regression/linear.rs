@@ -104,6 +104,14 @@ pub fn solve<C: Borrow<[f64]>>(columns: &[C], y: &[f64]) -> Option<Vec<f64>> {
     Some((inverse(&whole.gram)? * whole.moment).iter().copied().collect())
 }
 
+/// Mean variance of a prediction of the rows `judged` by least squares over the rows `fitted`, over the variance of one row:
+/// their mean leverage. None when the columns are dependent.
+pub fn leverage<C: Borrow<[f64]>>(fitted: &[C], judged: &[C]) -> Option<f64> {
+    let rows = |columns: &[C]| columns.first().map_or(0, |c| c.borrow().len());
+    let gram = |columns: &[C]| normal(columns, &vec![0.0; rows(columns)], 0..rows(columns)).gram;
+    Some((inverse(&gram(fitted))? * gram(judged)).trace() / rows(judged).max(1) as f64)
+}
+
 /// Fits `y` by `columns` and cross-validates over groups of contiguous blocks; a block on either side of a
 /// held-out group is a guard and is not used for its fit. None when the columns are dependent.
 ///

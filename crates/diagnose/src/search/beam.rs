@@ -121,14 +121,14 @@ impl Search<'_> {
         let last = columns.len();
         let overlap = Overlap::new(testable, &[&columns[..], &[residual.as_slice()]].concat());
         let left = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.0 });
-        let Some(span) = overlap.span((0..last).collect()) else { return Vec::new() };
+        let Some(span) = overlap.span((0..last).collect(), left) else { return Vec::new() };
         let gains = (0..overlap.atoms.len()).into_par_iter().map(|i| {
             let atom = overlap.atoms[i];
-            let alone = match overlap.gain(&span, i, &left) {
+            let alone = match overlap.gain(&span, i) {
                 Some(gain) => atom.physical(&[gain]),
                 None => true,
             };
-            (if alone { overlap.captured(&span, i, &left) } else { 0.0 }, atom)
+            (if alone { overlap.captured(&span, i) } else { 0.0 }, atom)
         });
         let gains: Vec<(f64, &Atom)> = gains.collect();
         let mut ranked: Vec<(f64, &Atom)> = Vec::new();
@@ -166,8 +166,9 @@ impl Search<'_> {
         trials
             .into_par_iter()
             .filter_map(|new| {
-                let atoms = from.atoms.iter().cloned().chain(new).collect();
-                Hypothesis::new(self.design, atoms)
+                let atoms: Vec<Atom> = from.atoms.iter().cloned().chain(new).collect();
+                let parameters: usize = atoms.iter().map(Atom::parameters).sum();
+                (parameters <= self.max_parameters).then(|| Hypothesis::new(self.design, atoms))?
             })
             .filter(|h| self.physical(h))
             .collect()

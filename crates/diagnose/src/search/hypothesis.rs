@@ -53,6 +53,11 @@ impl Atom {
         Self { reliable: self.reliable, ..Self::new(design, baseline, self.term) }
     }
 
+    /// Numbers that it is fitted by: its gains and its shapes.
+    pub fn parameters(&self) -> usize {
+        self.columns.len() + self.term.kind.shape().len()
+    }
+
     /// What of each column is outside the span of `basis`.
     pub fn outside(&self, basis: &Basis) -> Vec<Vec<f64>> {
         self.columns.iter().map(|c| basis.project_out(c)).collect()

@@ -11,13 +11,17 @@ use rayon::prelude::*;
 use signals::{Basis, dot};
 
 /// Random signs drawn for a test, so that the smallest p value is 1/1000.
-pub const FLIPS: usize = 999;
+const FLIPS: usize = 999;
 /// Family-wise level of a step.
 pub const LEVEL: f64 = 0.01;
 /// Cosine above which two explanations count as one on a recording.
 pub const COLLINEAR: f64 = 0.95;
+/// Share of a column outside the columns of the parent below which it is not tested.
+const OUTSIDE: f64 = 0.02;
 /// Share of what a term gains that another may lose in its place and still count as good.
 const AS_GOOD: f64 = 0.03;
+
+type Two<A, B> = (Vec<A>, Vec<B>);
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +40,8 @@ pub struct Search<'a> {
     pub systematic: f64,
     /// Most terms.
     pub max_terms: usize,
+    /// Most gains and shapes of all terms together: so many as the rows can tell apart.
+    pub max_parameters: usize,
     /// Hypotheses carried along.
     pub width: usize,
     /// Seed of every draw.
@@ -72,31 +78,32 @@ impl Search<'_> {
     /// Residual of `parent` against every testable column, noise taken from `child`.
     pub fn test(&self, parent: &Hypothesis, child: &Hypothesis, extra: &[Atom]) -> (Vec<Term>, Family) {
         let basis = Basis::of(&Hypothesis::columns(self.design, &parent.atoms));
-        let spread =
-            (dot(&child.fit.residual, &child.fit.residual) / child.fit.residual.len().max(1) as f64).sqrt();
-        let score = |atom: &&Atom| -> Vec<(Term, Scores, Scores, f64)> {
-            let of = |column: &Vec<f64>| {
-                let rest = basis.project_out(column);
-                let size = dot(&rest, &rest).sqrt();
-                (size > 0.02 * dot(column, column).sqrt()).then(|| {
-                    let blocks = &self.design.blocks;
-                    let observed = block_scores(&rest, &parent.fit.residual, blocks);
-                    (atom.term, observed, block_scores(&rest, &child.fit.residual, blocks), size * spread)
-                })
-            };
-            atom.columns.iter().filter_map(of).collect()
+        let atoms = self.catalogue.testable().into_iter().chain(extra);
+        let columns = atoms.flat_map(|atom| atom.columns.iter().map(|c| (atom.term, c.as_slice()))).collect();
+        self.family(&basis, &parent.fit, &child.fit, columns)
+    }
+
+    /// The same for any columns, each with what it belongs to, outside `basis`.
+    pub fn family<L: Copy + Send + Sync>(
+        &self,
+        basis: &Basis,
+        parent: &Fit,
+        child: &Fit,
+        columns: Vec<(L, &[f64])>,
+    ) -> (Vec<L>, Family) {
+        let (blocks, noise) = (&self.design.blocks, &child.residual);
+        let spread = (dot(noise, noise) / noise.len().max(1) as f64).sqrt();
+        let score = |(of, column): &(L, &[f64])| {
+            let rest = basis.project_out(column);
+            let size = dot(&rest, &rest).sqrt();
+            (size > OUTSIDE * dot(column, column).sqrt()).then(|| {
+                let scores = |residual: &[f64]| block_scores(&rest, residual, blocks);
+                ((*of, scores(&parent.residual)), (scores(noise), size * spread))
+            })
         };
-        let atoms: Vec<&Atom> = self.catalogue.testable().into_iter().chain(extra).collect();
-        let scores: Vec<_> = atoms.par_iter().flat_map_iter(score).collect();
-        let (mut observed, mut noise, mut scale, mut terms) =
-            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for (t, o, n, s) in scores {
-            terms.push(t);
-            observed.push(o);
-            noise.push(n);
-            scale.push(s);
-        }
-        (terms, family(&observed, &noise, &scale, FLIPS, self.seed))
+        let ((of, observed), (noise, scale)): (Two<L, Scores>, Two<Scores, f64>) =
+            columns.par_iter().filter_map(score).unzip();
+        (of, family(&observed, &noise, &scale, FLIPS, self.seed))
     }
 
     /// Family-wise p of the best column of `atoms` against `parent`.

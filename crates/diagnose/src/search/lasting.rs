@@ -5,12 +5,13 @@
 //! on the rest; over all regimes left out in turn, where the term would have to save something if it were real, it must
 //! save squared error.
 //!
-//! A term that ends on a bound of its shape is a symptom of something else, and does not last either.
+//! A term that ends on a bound of its shape is a symptom of something else, and does not last either; nor does a line that
+//! explains hardly more than the wavelengths beside it.
 
 use crate::findings::locate::{row_motion, row_times};
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::TermKind;
-use crate::regression::linear::solve;
+use crate::regression::linear::{leverage, solve};
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::joint::at_end;
 use crate::search::judgement::Search;
@@ -45,7 +46,7 @@ pub struct Withdrawn {
 }
 
 /// Fewest rows of a regime, and of what is left for fitting.
-const FEWEST: usize = 60;
+const FEWEST: usize = 20;
 
 /// Size of a term over its noise from which on a regime judges it.
 const JUDGES: f64 = 5.0;
@@ -111,11 +112,14 @@ fn rows_of(design: &DesignMatrix, regime: &Regime, inside: bool) -> Vec<usize> {
     (0..design.share.len()).filter(|r| design.share[*r] > 0.5 && regime.rows[*r] == inside).collect()
 }
 
-/// Least squares over some rows; None where the columns are dependent there.
-fn solve_rows(columns: &[&[f64]], y: &[f64], rows: &[usize]) -> Option<Vec<f64>> {
-    let gather = |of: &[f64]| rows.iter().map(|r| of[*r]).collect::<Vec<f64>>();
-    let columns: Vec<Vec<f64>> = columns.iter().map(|c| gather(c)).collect();
-    solve(&columns, &gather(y))
+/// Least squares over the rows `rest`; None where they say less of the rows `inside` than those say themselves, as of a way
+/// back that is hardly among them.
+fn solve_rest(columns: &[&[f64]], y: &[f64], rest: &[usize], inside: &[usize]) -> Option<Vec<f64>> {
+    let gather = |of: &[f64], rows: &[usize]| rows.iter().map(|r| of[*r]).collect::<Vec<f64>>();
+    let over = |rows: &[usize]| columns.iter().map(|c| gather(c, rows)).collect::<Vec<_>>();
+    let fitted = over(rest);
+    leverage(&fitted, &over(inside)).filter(|l| *l <= 1.0)?;
+    solve(&fitted, &gather(y, rest))
 }
 
 /// Squared error over some rows.
@@ -145,7 +149,7 @@ fn judge(
     if power(&rest).min(power(&inside)) < JUDGES * JUDGES * noise * columns.len() as f64 {
         return None;
     }
-    let fitted = solve_rows(columns, y, &rest)?;
+    let fitted = solve_rest(columns, y, &rest, &inside)?;
     Some((error(columns, y, &none, &inside), error(columns, y, &fitted, &inside)))
 }
 
@@ -190,7 +194,7 @@ pub fn left_out_errors<'r>(
 fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usize, Withdrawn)> {
     let bound = (0..found.atoms.len()).find_map(|i| {
         let kind = found.atoms[i].term.kind;
-        let regime = on_bound(search, found, i)?;
+        let regime = on_bound(search, found, i).or_else(|| no_line(search, found, i))?;
         Some((i, Withdrawn { kind, regime, rms: (f64::NAN, f64::NAN) }))
     });
     if bound.is_some() {
@@ -271,18 +275,58 @@ fn on_bound(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
     None
 }
 
-/// Root mean square error of the baseline and of `found` in the recording or the half of the time left out in which
-/// `found` does worst against the baseline, all gains fitted on the rest.
-pub fn left_out(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(String, f64, f64)> {
+/// Error that a line explains over what its neighbours explain of the rest from which on it is one. The best of all
+/// wavelengths explains about ten times as much of white noise as they do, and those of a machine hundreds of times.
+const STANDS_OUT: f64 = 15.0;
+
+/// Distances of the neighbours in wavenumber, in cycles on the stroke: beyond what the line itself leaks there.
+const NEIGHBOURS: [f64; 8] = [-4.5, -3.5, -2.5, -1.5, 1.5, 2.5, 3.5, 4.5];
+
+/// Whether term `i` is a line that does not stand out: what is left follows the position in many ways, and it is one of them.
+fn no_line(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
+    let atom = &found.atoms[i];
+    let wave = atom.term.kind.about().wavelength()?;
+    let (low, high) = search.scales.stroke;
+    let around = Basis::of(&Hypothesis::columns(search.design, &found.atoms));
+    let neighbours: Vec<f64> = NEIGHBOURS
+        .iter()
+        .map(|m| atom.term.shape[wave].recip() + m / (high - low))
+        .filter(|wavenumber| *wavenumber * (high - low) >= 1.0)
+        .filter_map(|wavenumber| {
+            let mut term = atom.term;
+            term.shape[wave] = wavenumber.recip();
+            let other = Atom::new(search.design, &search.catalogue.baseline, term);
+            let count = other.columns.len();
+            (count > 0)
+                .then(|| Basis::of(&other.outside(&around)).captured(&found.fit.residual) / count as f64)
+        })
+        .collect();
+    let mut others = found.atoms.clone();
+    others.remove(i);
+    let others = Basis::of(&Hypothesis::columns(search.design, &others));
+    let own = Basis::of(&atom.outside(&others)).captured(&others.project_out(&search.design.y));
+    let own = own / atom.columns.len() as f64;
+    let mean = neighbours.iter().sum::<f64>() / neighbours.len().max(1) as f64;
+    (own < STANDS_OUT * mean).then(|| "neighbouring wavelengths explain nearly as much of the rest".into())
+}
+
+/// Root mean square error of the first `baseline` columns and of `found` in the recording or the half of the time left out in
+/// which `found` does worst against them, all gains fitted on the rest.
+pub fn left_out(
+    search: &Search,
+    found: &Hypothesis,
+    regimes: &[Regime],
+    baseline: usize,
+) -> Option<(String, f64, f64)> {
     let design = search.design;
     let columns = found.lasting_columns(design);
     let of = |regime: &Regime| {
         let (rest, inside) = (rows_of(design, regime, false), rows_of(design, regime, true));
         let rms = |columns: &[&[f64]]| {
-            let fitted = solve_rows(columns, &design.y, &rest)?;
+            let fitted = solve_rest(columns, &design.y, &rest, &inside)?;
             Some((error(columns, &design.y, &fitted, &inside) / inside.len() as f64).sqrt())
         };
-        Some((regime.name.clone(), rms(&columns[..design.baseline.len()])?, rms(&columns)?))
+        Some((regime.name.clone(), rms(&columns[..baseline])?, rms(&columns)?))
     };
     let ratio = |x: &(String, f64, f64)| x.2 / x.1;
     regimes.iter().filter_map(of).max_by(|a, b| ratio(a).total_cmp(&ratio(b)))

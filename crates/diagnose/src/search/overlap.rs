@@ -22,10 +22,16 @@ pub struct Overlap<'a> {
     fixed: DMatrix<f64>,
 }
 
-/// The span of some of the fixed columns.
+/// What of a sum of the fixed columns lies outside the span of some of them.
 pub struct Span {
     inside: Vec<usize>,
     root: Cholesky<f64, Dyn>,
+    /// Coefficients of the sum.
+    y: DVector<f64>,
+    /// The part of the sum inside the span.
+    along: DVector<f64>,
+    /// Squared length of the part outside.
+    pub power: f64,
 }
 
 impl<'a> Overlap<'a> {
@@ -43,47 +49,53 @@ impl<'a> Overlap<'a> {
         Self { atoms, with, own, fixed: products(fixed, fixed) }
     }
 
-    /// The span of the fixed columns `inside`; None where they are dependent.
-    pub fn span(&self, inside: Vec<usize>) -> Option<Span> {
+    /// The sum of the fixed columns times `y`, outside the span of those at `inside`; None where they are dependent.
+    pub fn span(&self, inside: Vec<usize>, y: DVector<f64>) -> Option<Span> {
         let root = self.fixed.select_rows(&inside).select_columns(&inside).cholesky()?;
-        Some(Span { inside, root })
+        let products = &self.fixed * &y;
+        let mut span = Span { inside, root, power: 0.0, along: DVector::zeros(0), y };
+        span.along = span.coordinates(&products);
+        span.power = span.y.dot(&products) - span.along.norm_squared();
+        Some(span)
     }
 
-    /// The gain of atom `i` that fits the sum of the fixed columns times `y` best beside `span`; None where it has several.
-    pub fn gain(&self, span: &Span, i: usize, y: &DVector<f64>) -> Option<f64> {
-        let (own, with) = (&self.own[i], &self.with[i]);
-        if with.nrows() != 1 {
-            return None;
-        }
-        let coordinates = span.coordinates(&with.row(0).transpose());
-        let along = span.coordinates(&(&self.fixed * y));
-        let moment = with.row(0).transpose().dot(y) - coordinates.dot(&along);
-        Some(moment / (own[(0, 0)] - coordinates.norm_squared()))
-    }
-
-    /// Squared length of the sum of the fixed columns times `y`, along what of atom `i` is outside `span`.
-    pub fn captured(&self, span: &Span, i: usize, y: &DVector<f64>) -> f64 {
-        let along = span.coordinates(&(&self.fixed * y));
-        let (own, with) = (&self.own[i], &self.with[i]);
+    /// Inner products of the columns of atom `i` outside `span` with each other, and with the sum outside it.
+    fn outside(&self, span: &Span, i: usize) -> (DMatrix<f64>, DVector<f64>) {
+        let with = &self.with[i];
         let coordinates: Vec<DVector<f64>> =
             with.row_iter().map(|row| span.coordinates(&row.transpose())).collect();
-        let moment = with * y;
+        let own = DMatrix::from_fn(with.nrows(), with.nrows(), |j, k| {
+            self.own[i][(j, k)] - coordinates[j].dot(&coordinates[k])
+        });
+        let moment = with * &span.y;
+        let moment = DVector::from_fn(with.nrows(), |k, _| moment[k] - coordinates[k].dot(&span.along));
+        (own, moment)
+    }
+
+    /// The gain of atom `i` that fits the sum best beside `span`; None where it has several.
+    pub fn gain(&self, span: &Span, i: usize) -> Option<f64> {
+        let (own, moment) = self.outside(span, i);
+        (moment.len() == 1).then(|| moment[0] / own[(0, 0)])
+    }
+
+    /// Squared length of the sum along what of atom `i` is outside `span`.
+    pub fn captured(&self, span: &Span, i: usize) -> f64 {
+        let (own, moment) = self.outside(span, i);
         // Cholesky's decomposition column by column, without those that depend on the others
         let mut kept: Vec<(Vec<f64>, f64)> = Vec::new();
         let mut rows: Vec<usize> = Vec::new();
-        for k in 0..coordinates.len() {
-            let outside = |j: usize| own[(k, j)] - coordinates[k].dot(&coordinates[j]);
+        for k in 0..moment.len() {
             let mut row: Vec<f64> = Vec::with_capacity(kept.len() + 1);
             for (n, (other, _)) in kept.iter().enumerate() {
                 let known: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
-                row.push((outside(rows[n]) - known) / other[n]);
+                row.push((own[(k, rows[n])] - known) / other[n]);
             }
-            let left = outside(k) - row.iter().map(|x| x * x).sum::<f64>();
-            if !(left > INSIDE * own[(k, k)]) {
+            let left = own[(k, k)] - row.iter().map(|x| x * x).sum::<f64>();
+            if !(left > INSIDE * self.own[i][(k, k)]) {
                 continue;
             }
             let known: f64 = row.iter().zip(&kept).map(|(a, (_, z))| a * z).sum();
-            let z = (moment[k] - coordinates[k].dot(&along) - known) / left.sqrt();
+            let z = (moment[k] - known) / left.sqrt();
             row.push(left.sqrt());
             kept.push((row, z));
             rows.push(k);
@@ -121,12 +133,12 @@ mod tests {
         atom.columns = [atom.columns.to_vec(), vec![sum]].concat().into();
         let fixed: Vec<&[f64]> = fixed.iter().map(Vec::as_slice).collect();
         let overlap = Overlap::new(vec![&atom], &fixed);
-        let span = overlap.span(vec![0, 2]).unwrap();
-        let y = DVector::from_column_slice(&[0.0, 1.5, 0.0, -0.7]);
+        let span = overlap.span(vec![0, 2], DVector::from_column_slice(&[0.0, 1.5, 0.0, -0.7])).unwrap();
         let basis = Basis::of(&[fixed[0], fixed[2]]);
         let sum: Vec<f64> = (0..900).map(|r| 1.5 * fixed[1][r] - 0.7 * fixed[3][r]).collect();
         let rest = basis.project_out(&sum);
         let captured = Basis::of(&atom.outside(&basis)).captured(&rest);
-        assert!((overlap.captured(&span, 0, &y) / captured - 1.0).abs() < 1e-7);
+        assert!((overlap.captured(&span, 0) / captured - 1.0).abs() < 1e-7);
+        assert!((span.power / dot(&rest, &rest) - 1.0).abs() < 1e-7);
     }
 }

@@ -8,20 +8,53 @@ use crate::search::extra_columns::{self, Followed};
 use crate::search::hypothesis::Hypothesis;
 
 /// The regression that is searched: design matrix, its baseline fit and the nuisances that are columns of it.
+#[derive(Clone)]
 pub(crate) struct Regression {
     pub design: DesignMatrix,
     pub baseline: Hypothesis,
+    /// The baseline without further columns: what a simulation is that leaves them out.
+    pub plain: Hypothesis,
     pub declared: Vec<Declared>,
     /// Further columns that the error follows: the last columns of the baseline.
     pub followed: Vec<Followed>,
 }
 
 impl Regression {
-    /// The regression on the design matrix of `intake`. None where mass and friction cannot be told apart.
-    pub fn new(mut design: DesignMatrix, intake: &Intake, options: &Options) -> Option<Self> {
+    /// The regression on the design matrix of `intake`, without further columns. None where mass and friction cannot be told
+    /// apart.
+    pub fn new(mut design: DesignMatrix, options: &Options) -> Option<Self> {
         let declared = design.declare(&options.per_recording);
-        let followed = extra_columns::follow(&mut design, &intake.extra, options.seed);
+        let plain = Hypothesis::new(&design, Vec::new())?;
+        Some(Self { design, baseline: plain.clone(), plain, declared, followed: Vec::new() })
+    }
+
+    /// With curves over the columns that the error follows which the baseline and the columns `beside` it leave.
+    pub fn following(&self, intake: &Intake, beside: &[&[f64]], options: &Options) -> Option<Self> {
+        let mut design = self.design.clone();
+        let followed = extra_columns::follow(&mut design, &intake.extra, beside, options.seed);
+        self.with(design, followed)
+    }
+
+    /// The same with the delay among the effects.
+    pub fn without_delay(&self, intake: &Intake, cutoff: f64, options: &Options) -> Option<Self> {
+        let design = DesignMatrix::new(&intake.stretches, cutoff, intake.reversals, false)?;
+        let plain = Self::new(design, options)?;
+        let mut design = plain.design.clone();
+        let curves = self.followed.iter().flat_map(|f| f.columns(&plain.design, &intake.extra));
+        design.baseline.extend(curves);
+        plain.with(design, self.followed.clone())
+    }
+
+    fn with(&self, design: DesignMatrix, followed: Vec<Followed>) -> Option<Self> {
+        let Self { mut plain, declared, .. } = self.clone();
         let baseline = Hypothesis::new(&design, Vec::new())?;
-        Some(Self { design, baseline, declared, followed })
+        plain.fit.coefficients.resize(design.baseline.len(), 0.0);
+        plain.fit.std_errors.resize(design.baseline.len(), 0.0);
+        Some(Self { design, baseline, plain, declared, followed })
+    }
+
+    /// Number of columns of the plain baseline.
+    pub fn plain_columns(&self) -> usize {
+        self.design.baseline.len() - self.followed.iter().map(Followed::columns_added).sum::<usize>()
     }
 }

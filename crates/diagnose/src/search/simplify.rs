@@ -7,12 +7,7 @@ use crate::search::judgement::{COLLINEAR, Search};
 use crate::search::overlap::Overlap;
 use crate::search::refine::ROUGH;
 use nalgebra::DVector;
-use signals::{Basis, dot};
-
-/// What an atom costs: its columns and its shapes.
-fn size(a: &Atom) -> usize {
-    a.columns.len() + a.term.kind.shape().len()
-}
+use signals::Basis;
 
 impl Search<'_> {
     /// Takes out of each term the gains that its recording does not ask for: the second harmonic, a second end of the
@@ -105,11 +100,11 @@ impl Search<'_> {
 
     /// The catalogue's atoms that may stand in the place of one or two terms of `best`, with its columns.
     fn overlap(&self, best: &Hypothesis) -> Overlap<'_> {
-        let mut sizes: Vec<usize> = best.atoms.iter().map(size).collect();
+        let mut sizes: Vec<usize> = best.atoms.iter().map(Atom::parameters).collect();
         sizes.sort_unstable();
         let most: usize = sizes.iter().rev().take(2).sum();
         let atoms = self.catalogue.testable().into_iter();
-        let atoms = atoms.filter(|a| !best.has(a.term.kind) && size(a) < most).collect();
+        let atoms = atoms.filter(|a| !best.has(a.term.kind) && a.parameters() < most).collect();
         Overlap::new(atoms, &Hypothesis::columns(self.design, &best.atoms))
     }
 
@@ -123,7 +118,7 @@ impl Search<'_> {
 
     /// The simplest hypothesis with one term in the place of the `group`, where one is as good.
     fn simpler(&self, best: &Hypothesis, overlap: &Overlap, group: &[usize]) -> Option<Hypothesis> {
-        let of_group: usize = group.iter().map(|i| size(&best.atoms[*i])).sum();
+        let of_group: usize = group.iter().map(|i| best.atoms[*i].parameters()).sum();
         let others: Vec<Atom> = best
             .atoms
             .iter()
@@ -131,14 +126,6 @@ impl Search<'_> {
             .filter(|(i, _)| !group.contains(i))
             .map(|(_, a)| a.clone())
             .collect();
-        let basis = Basis::of(&Hypothesis::columns(self.design, &others));
-        let mut own = vec![0.0; self.design.y.len()];
-        for i in group {
-            for (sum, x) in own.iter_mut().zip(self.contribution(best, *i, &basis)) {
-                *sum += x;
-            }
-        }
-        let power = dot(&own, &own);
         let in_group = |c: usize| {
             group.iter().any(|i| {
                 let from = best.offset(self.design, *i);
@@ -150,17 +137,28 @@ impl Search<'_> {
             best.fit.coefficients.len(),
             coefficients.map(|(c, x)| if in_group(c) { *x } else { 0.0 }),
         );
-        let span = overlap.span((0..share.len()).filter(|c| !in_group(*c)).collect())?;
+        let others_at = (0..share.len()).filter(|c| !in_group(*c)).collect();
+        let span = overlap.span(others_at, share)?;
         // A grid point is not the best shape yet: let in a little less and refine.
         let mut simpler: Vec<(usize, f64, &Atom)> = overlap
             .atoms
             .iter()
             .enumerate()
-            .filter(|(_, a)| size(a) < of_group)
-            .map(|(i, a)| (size(a), overlap.captured(&span, i, &share), *a))
-            .filter(|(_, kept, _)| *kept >= 0.8 * power)
+            .filter(|(_, a)| a.parameters() < of_group)
+            .map(|(i, a)| (a.parameters(), overlap.captured(&span, i), *a))
+            .filter(|(_, kept, _)| *kept >= 0.8 * span.power)
             .collect();
         simpler.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        if simpler.is_empty() {
+            return None;
+        }
+        let basis = Basis::of(&Hypothesis::columns(self.design, &others));
+        let mut own = vec![0.0; self.design.y.len()];
+        for i in group {
+            for (sum, x) in own.iter_mut().zip(self.contribution(best, *i, &basis)) {
+                *sum += x;
+            }
+        }
         let mut tried: Vec<TermKind> = Vec::new();
         for (_, _, atom) in simpler {
             if tried.contains(&atom.term.kind) {
@@ -173,7 +171,7 @@ impl Search<'_> {
             let needed = self.needed(&rival, best);
             let rival = self.refine_by(rival, ROUGH, needed);
             let kept = Basis::of(&rival.atoms[group[0]].outside(&basis)).captured(&own);
-            let as_good = kept >= COLLINEAR * COLLINEAR * power
+            let as_good = kept >= COLLINEAR * COLLINEAR * span.power
                 && self.interval(&rival, best)[0] <= 0.0
                 && self.physical(&rival);
             if as_good {
