@@ -10,6 +10,7 @@ pub(crate) type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// The device, or its line.
+    #[cfg(feature = "device")]
     #[error(transparent)]
     Device(#[from] client::Error),
     /// A file cannot be written.
@@ -116,6 +117,7 @@ impl Error {
     #[must_use]
     pub fn help(&self) -> Option<String> {
         match self {
+            #[cfg(feature = "device")]
             Self::Device(error) => error.help(),
             Self::Option { help, .. } | Self::Input { help, .. } => help.clone(),
             Self::Comparison(error) => error.help().map(str::to_owned),

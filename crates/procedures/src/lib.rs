@@ -10,8 +10,11 @@
 //! rendered     a real block, and the same rendered from its identification: do they feel the same?
 //! simulated    a model moved by the device's own control step
 //! library      the presets that ship
+//! numbers      what people type, and what is accepted
 //! conceal      effects that can be hidden in the simulated rig
 //! ```
+//!
+//! Without the feature `device` what moves, records or simulates one is not there; the rest runs in a browser.
 //!
 //! Nothing is printed here: progress and interruption go through [`Watch`], results and every [`Error`] to the caller.
 #![forbid(unsafe_code)]
@@ -20,15 +23,21 @@ pub mod conceal;
 pub mod diagnosed;
 mod error;
 pub mod identified;
+#[cfg(feature = "device")]
 pub mod investigate;
 pub mod library;
+pub mod numbers;
 pub mod predicted;
 mod prediction_errors;
 pub mod recordings;
+#[cfg(feature = "device")]
 pub mod rendered;
+#[cfg(feature = "device")]
 pub mod simulated;
+#[cfg(feature = "device")]
 mod watch;
 
 pub use error::Error;
 pub use prediction_errors::PredictionErrors;
+#[cfg(feature = "device")]
 pub use watch::{Activity, Unwatched, Watch, record};

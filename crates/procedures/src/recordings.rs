@@ -12,25 +12,75 @@ const GAP: f64 = 1000.0;
 /// # Errors
 /// File, line, column, value and what would be accepted, for the first failure; a map that no file needs.
 pub fn read_all(paths: &[impl AsRef<Path>], maps: &[String], joint: Option<&str>) -> Result<Vec<Recording>> {
-    let mut used = vec![false; maps.len()];
-    let mut recordings = Vec::with_capacity(paths.len());
-    for path in paths.iter().map(AsRef::as_ref) {
-        let parsed = maps_of(path, maps)?;
-        if path.is_dir() && !signals::is_bag(path) {
-            return Err(Error::in_file(path, &"is a directory, not a recording"));
+    let files: Vec<Content> = paths.iter().map(|path| Content::OnDisk(path.as_ref())).collect();
+    read_each(&files, maps, joint)
+}
+
+/// As [`read_all`], of files in memory: name and content.
+///
+/// # Errors
+/// As [`read_all`].
+pub fn read_bytes(
+    files: &[(String, Vec<u8>)],
+    maps: &[String],
+    joint: Option<&str>,
+) -> Result<Vec<Recording>> {
+    let files: Vec<Content> = files.iter().map(|(name, bytes)| Content::InMemory(name, bytes)).collect();
+    read_each(&files, maps, joint)
+}
+
+/// Where a file is.
+#[derive(Clone, Copy)]
+enum Content<'a> {
+    OnDisk(&'a Path),
+    InMemory(&'a str, &'a [u8]),
+}
+
+impl<'a> Content<'a> {
+    fn path(self) -> &'a Path {
+        match self {
+            Self::OnDisk(path) => path,
+            Self::InMemory(name, _) => Path::new(name),
         }
-        let (recording, map) =
-            Recording::read_with_maps(path, &parsed, joint).map_err(|e| Error::in_file(path, &e))?;
+    }
+
+    /// Reads it with the map that it needs, of several.
+    fn read<'m>(self, maps: &'m [Map], joint: Option<&str>) -> Result<(Recording, Option<&'m Map>)> {
+        match self {
+            Self::OnDisk(path) if path.is_dir() && !signals::is_bag(path) => {
+                return Err(Error::in_file(path, &"is a directory, not a recording"));
+            }
+            Self::OnDisk(path) => Recording::read_with_maps(path, maps, joint),
+            Self::InMemory(name, bytes) => Recording::from_bytes_with_maps(name, bytes, maps, joint),
+        }
+        .map_err(|e| Error::in_file(self.path(), &e))
+    }
+
+    /// Reads it with this map, needed or not.
+    fn read_by(self, map: Map, joint: Option<&str>) -> Result<Recording> {
+        let options = ReadOptions { map: Some(map), joint: joint.map(str::to_owned) };
+        match self {
+            Self::OnDisk(path) => Recording::read(path, &options),
+            Self::InMemory(name, bytes) => Recording::from_bytes(name, bytes, &options),
+        }
+        .map_err(|e| Error::in_file(self.path(), &e))
+    }
+}
+
+fn read_each(files: &[Content], maps: &[String], joint: Option<&str>) -> Result<Vec<Recording>> {
+    let mut used = vec![false; maps.len()];
+    let mut recordings = Vec::with_capacity(files.len());
+    for file in files {
+        let parsed = maps_of(file.path(), maps)?;
+        let (recording, map) = file.read(&parsed, joint)?;
         if let Some(index) = map.and_then(|map| parsed.iter().position(|m| m == map)) {
             used[index] = true;
         }
         recordings.push(recording);
     }
-    if let (Some(index), Some(first)) = (used.iter().position(|used| !used), paths.first()) {
-        let (first, map) = (first.as_ref(), maps_of(first.as_ref(), maps)?.swap_remove(index));
+    if let (Some(index), Some(first)) = (used.iter().position(|used| !used), files.first()) {
         // a map with a slip is refused with what the file has
-        let options = ReadOptions { map: Some(map), joint: joint.map(str::to_owned) };
-        Recording::read(first, &options).map_err(|e| Error::in_file(first, &e))?;
+        first.read_by(maps_of(first.path(), maps)?.swap_remove(index), joint)?;
         return Err(Error::option("map", format!("no file needs `{}`", maps[index]))
             .with_help("the map of a file is the first whose variables it has"));
     }
@@ -141,6 +191,15 @@ mod tests {
         // a map that nothing needs is a slip, and is refused with what the file has
         assert!(says(&[&own], &[map]).contains("no variable `t`; it has time_s, position_m, force_n"));
         assert!(says(&[&foreign], &[map, map]).contains("no file needs"));
+        // the same files in memory: the same numbers, the same words
+        let content = |name: &str| {
+            let bytes = std::fs::read(dir.path().join(name)).expect("read");
+            vec![(dir.path().join(name).display().to_string(), bytes)]
+        };
+        let in_memory = read_bytes(&content("foreign.csv"), &maps(&[map]), None).expect("read");
+        assert_eq!(in_memory[0].force, both[1].force);
+        let refused = read_bytes(&content("own.csv"), &maps(&[map]), None).expect_err("refused");
+        assert_eq!(refused.to_string(), says(&[&own], &[map]));
         assert!(
             says(&[&own, &foreign], &["time_s=t,position_m=y,force_n=f"])
                 .contains("no variable `y`; it has t, x, f")

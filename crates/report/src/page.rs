@@ -90,20 +90,23 @@ impl Page {
     }
 }
 
+/// The scripts of a page with charts, as a content security policy hashes them.
+#[must_use]
+pub fn scripts_of_charts() -> [String; 2] {
+    [format!("\n/* uPlot, inlined:\n{UPLOT_LICENSE}*/\n{UPLOT}"), format!("\n{DRAW}")]
+}
+
 /// End of `main`, and the scripts that draw these figures.
 fn scripts(figures: Vec<Value>) -> String {
     // a `<` inside JSON could close the script element; an escape cannot
     let data = Value::Array(figures).to_string().replace('<', "\\u003c");
+    let [uplot, draw] = scripts_of_charts();
     format!(
         r#"<noscript><p class="fault">The charts are drawn by a script inside this file; it is switched off here.</p></noscript>
 </main>
-<script>
-/* uPlot, inlined:
-{UPLOT_LICENSE}*/
-{UPLOT}</script>
+<script>{uplot}</script>
 <script type="application/json" id="figures">{data}</script>
-<script>
-{DRAW}</script>
+<script>{draw}</script>
 "#
     )
 }

@@ -2,6 +2,8 @@
 
 use clap::ValueEnum;
 use procedures::identified::{FittedLaw, Preprocessing};
+use procedures::numbers::positive;
+pub(crate) use procedures::numbers::{cutoff, noise};
 use std::path::PathBuf;
 
 /// Friction law to identify.
@@ -120,11 +122,6 @@ pub(crate) fn factor(text: &str) -> Result<f64, String> {
     positive(text, "a factor", 100.0)
 }
 
-/// A cut-off: finite and above zero.
-pub(crate) fn cutoff(text: &str) -> Result<f64, String> {
-    positive(text, "a frequency in Hz", 1e6)
-}
-
 /// Finite and above zero.
 pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
@@ -138,17 +135,5 @@ pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(v) if v.is_finite() && v >= 0.0 => Ok(v),
         _ => Err("a finite number from 0 on is accepted".into()),
-    }
-}
-
-/// A noise level: finite and above zero.
-pub(crate) fn noise(text: &str) -> Result<f64, String> {
-    positive(text, "a standard deviation in N (or N·m)", 1e6)
-}
-
-fn positive(text: &str, what: &str, most: f64) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(v) if v.is_finite() && v > 0.0 && v <= most => Ok(v),
-        _ => Err(format!("{what}, above 0 and up to {most}, is accepted")),
     }
 }

@@ -32,6 +32,7 @@ mod variables;
 pub use expression::Map;
 
 use crate::{Error, Recording, files};
+use std::borrow::Cow;
 use std::cell::Cell;
 use std::io::Read;
 use std::path::Path;
@@ -97,6 +98,34 @@ impl Recording {
             used.get()
         };
         let recording = read(path.as_ref(), &Wanted { map: &map, joint })?;
+        Ok((recording, used.get()))
+    }
+
+    /// As [`Recording::read`], of a file in memory; `name` is the file's. MCAP and bags are read from a disk only.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn from_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self, Error> {
+        let map = |_: &dyn Fn(&str) -> bool| options.map.as_ref();
+        in_memory(name, bytes, &Wanted { map: &map, joint: options.joint.as_deref() })
+    }
+
+    /// As [`Recording::read_with_maps`], of a file in memory.
+    ///
+    /// # Errors
+    /// As [`Recording::from_bytes`].
+    pub fn from_bytes_with_maps<'m>(
+        name: &str,
+        bytes: &[u8],
+        maps: &'m [Map],
+        joint: Option<&str>,
+    ) -> Result<(Self, Option<&'m Map>), Error> {
+        let used = Cell::new(None);
+        let map = |has: &dyn Fn(&str) -> bool| {
+            used.set(Map::needed(maps, has));
+            used.get()
+        };
+        let recording = in_memory(name, bytes, &Wanted { map: &map, joint })?;
         Ok((recording, used.get()))
     }
 
@@ -230,26 +259,45 @@ fn read(path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
         std::fs::File::open(path).and_then(|f| f.take(HEAD as u64).read_to_end(&mut head)).map_err(words)?;
         recognised(path, &head).map_err(fail)?
     };
-    let bytes = || std::fs::read(path).map_err(words);
     let mut recording = match format {
-        Format::Text => csv::read(&file, &bytes()?, wanted)?,
-        Format::Json => json::read(&file, &bytes()?, wanted)?,
-        Format::Matlab => matlab::read(&file, &bytes()?, wanted)?,
-        #[cfg(feature = "hdf5")]
-        Format::Hdf5 => hdf5::read(&file, bytes()?, wanted)?,
-        #[cfg(feature = "parquet")]
-        Format::Parquet => parquet::read(&file, bytes()?, wanted)?,
         #[cfg(feature = "ros2")]
         Format::Mcap => mcap::read(&file, path, wanted)?,
         #[cfg(feature = "ros2")]
         Format::Sqlite => bag::read(&file, path, wanted)?,
         #[cfg(feature = "ros2")]
         Format::Folder => bag::read_folder(&file, path, wanted)?,
-        #[cfg(not(all(feature = "hdf5", feature = "parquet", feature = "ros2")))]
-        other => return Err(fail(format!("{other:?}: this program was built without a reader of it"))),
+        other => parsed(other, &file, std::fs::read(path).map_err(words)?.into(), wanted)?,
     };
     recording.name = path.file_name().map_or_else(|| file.clone(), |n| n.to_string_lossy().into_owned());
     Ok(recording)
+}
+
+/// Reads a file in memory.
+fn in_memory(name: &str, bytes: &[u8], wanted: &Wanted) -> Result<Recording, Error> {
+    let head = &bytes[..bytes.len().min(HEAD)];
+    let format = recognised(Path::new(name), head).map_err(|why| Error::File { file: name.into(), why })?;
+    Ok(Recording { name: name.into(), ..parsed(format, name, bytes.into(), wanted)? })
+}
+
+/// Reads the content of a file.
+fn parsed(format: Format, file: &str, bytes: Cow<'_, [u8]>, wanted: &Wanted) -> Result<Recording, Error> {
+    let other = match format {
+        Format::Text => return csv::read(file, &bytes, wanted),
+        Format::Json => return json::read(file, &bytes, wanted),
+        Format::Matlab => return matlab::read(file, &bytes, wanted),
+        #[cfg(feature = "hdf5")]
+        Format::Hdf5 => return hdf5::read(file, bytes.into_owned(), wanted),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => return parquet::read(file, bytes.into_owned(), wanted),
+        #[cfg(not(feature = "hdf5"))]
+        Format::Hdf5 => "HDF5",
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => "Parquet",
+        Format::Mcap => "MCAP",
+        Format::Sqlite | Format::Folder => "a bag of ROS 2",
+    };
+    let why = format!("{other} is not read here; accepted is a .csv of it: `tribos convert {file} out.csv`");
+    Err(Error::File { file: file.into(), why })
 }
 
 /// The bytes of a file of the kind that its name says, and a remark on what it cannot hold.

@@ -28,6 +28,7 @@ const LAYERS: &[&str] = &[
     "client",
     "design",
     "procedures",
+    "tribos-web",
     "tribos-lab",
     // what proves, and what people type
     "benchmark",

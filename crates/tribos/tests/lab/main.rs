@@ -1,4 +1,4 @@
-//! `tribos lab` in a headless browser, and without one. `PICTURES=DIR cargo test -p tribos --test lab` keeps pictures.
+//! `tribos lab` in a headless browser, and without one; the page without installation. `PICTURES=DIR cargo test -p tribos --test lab` keeps pictures.
 
 #[macro_use]
 extern crate untested;
@@ -11,6 +11,7 @@ mod experiments;
 #[cfg(unix)]
 mod origin;
 mod scope;
+mod without_installation;
 
 use browser::CHROMIUM;
 use std::process::ExitCode;
@@ -40,6 +41,13 @@ fn main() -> ExitCode {
             scope::a_picture_of_a_minute_shows_the_one_sample_that_stands_out_and_the_gap,
         ]
         .needing(&CHROMIUM),
+        tests![
+            without_installation::a_file_is_diagnosed_as_the_command_does,
+            without_installation::a_bad_cell_is_refused_in_the_words_of_the_command,
+            without_installation::nothing_leaves_the_machine_and_a_bug_is_told,
+            without_installation::twenty_five_thousand_samples_are_timed_and_cancelled,
+        ]
+        .needing(&without_installation::PAGE),
         tests![scope::the_trace_is_live_for_a_minute]
             .needing(&CHROMIUM)
             .on_demand("a minute; the short form is always run"),
