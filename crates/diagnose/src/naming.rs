@@ -28,9 +28,6 @@ const UNDERCUT: f64 = 0.7;
 /// recording of 90 rows had six effects with 21 numbers named.
 const ROWS_A_PARAMETER: usize = 10;
 
-/// Error of what is named over that of curves over further columns below which the curves only model what is left.
-const CLEARLY: f64 = 0.8;
-
 /// Searches at most: one more after each in which something did not last.
 const ROUNDS: usize = 3;
 
@@ -55,6 +52,8 @@ pub(crate) struct Named {
     pub gains: Vec<Gain>,
     /// Names that the free forms contradict.
     pub kin: Vec<TermKind>,
+    /// Effects that explain as much without further columns as the curves over them do.
+    pub instead: Vec<TermKind>,
     /// Effects that need another geometry, or a channel that the recordings do not have, and why.
     pub unavailable: Vec<(&'static str, &'static str)>,
 }
@@ -195,7 +194,8 @@ fn search<'a>(
     }
 }
 
-/// Names what is left out, beside curves over the further columns that the error follows.
+/// Names what is left out, beside curves over the further columns that the error follows. Forces inside a machine follow its
+/// friction: what the catalogue explains as well without such columns is their rival.
 pub(crate) fn name_beside_columns(
     intake: &Intake,
     plain: Regression,
@@ -203,19 +203,12 @@ pub(crate) fn name_beside_columns(
     options: &Options,
     watch: Watch<'_>,
 ) -> Result<Named, Interrupted> {
-    let follow = |beside: &[&[f64]]| {
-        plain.following(intake, beside, options).filter(|regression| !regression.followed.is_empty())
-    };
-    let Some(alone) = follow(&[]) else { return name(intake, plain, cutoff, options, watch) };
-    let first = name(intake, plain.clone(), cutoff, options, watch)?;
-    if first.found.fit.heldout_sum() > CLEARLY * CLEARLY * alone.baseline.fit.heldout_sum() {
-        return name(intake, alone, cutoff, options, watch);
-    }
-    let atoms = first.found.atoms.iter().flat_map(|a| a.columns.iter()).map(Vec::as_slice);
-    match follow(&atoms.collect::<Vec<_>>()) {
-        Some(rest) => name(intake, rest, cutoff, options, watch),
-        None => Ok(first),
-    }
+    let following = plain.following(intake, options).filter(|regression| !regression.followed.is_empty());
+    let Some(following) = following else { return name(intake, plain, cutoff, options, watch) };
+    let alone = name(intake, plain, cutoff, options, watch)?.found;
+    let as_well = alone.fit.heldout_sum() <= following.baseline.fit.heldout_sum();
+    let instead = alone.atoms.iter().filter(|_| as_well).map(|a| a.term.kind).collect();
+    Ok(Named { instead, ..name(intake, following, cutoff, options, watch)? })
 }
 
 /// Searches until the regression and the force that acts agree with what is found.
@@ -305,6 +298,7 @@ fn name(
             last: found.clone(),
             gains: Vec::new(),
             kin: Vec::new(),
+            instead: Vec::new(),
             found,
             unavailable,
         });

@@ -334,7 +334,7 @@ impl Run<'_> {
         let follows = findings::unnamed::where_it_follows(followed);
         let mut location = [follows, shown(&ahead), of_fit, shown(&behind)].concat();
         missing.extend(ahead.into_iter().chain(behind).map(|(m, _)| m));
-        missing.extend(findings::unnamed::follows(followed));
+        missing.extend(findings::unnamed::follows(followed, &named.instead));
         missing.extend(unnamed);
         missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         missing.extend(elsewhere);

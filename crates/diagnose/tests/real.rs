@@ -238,6 +238,8 @@ fn a_joint_that_is_coupled_to_others_has_no_ripple() {
 fn a_damper_with_play_has_lost_motion() {
     for file in files("friction_damper", ".csv") {
         let found = found(&[read(&file, "")], &[]);
-        assert!(names(&found, "lost_motion"), "{}", file.display());
+        // forces inside the damper are in the file, and follow its friction
+        let rival = |m: &diagnose::Missing| m.indistinguishable_from.iter().any(|r| r == "lost_motion");
+        assert!(names(&found, "lost_motion") || found.missing.iter().any(rival), "{}", file.display());
     }
 }

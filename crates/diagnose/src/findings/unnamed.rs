@@ -1,5 +1,6 @@
 //! What the motion does not explain: errors that follow a further column of the recording, or nothing in it.
 
+use crate::library::term::TermKind;
 use crate::result::{Location, Missing};
 use crate::search::extra_columns::Followed;
 use crate::search::hypothesis::Hypothesis;
@@ -43,8 +44,8 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
     })
 }
 
-/// The further columns that the error follows.
-pub fn follows(all: &[Followed]) -> Option<Missing> {
+/// The further columns that the error follows, and the effects that explain as much without them.
+pub fn follows(all: &[Followed], instead: &[TermKind]) -> Option<Missing> {
     let (first, last) = (all.first()?, all.last()?);
     let list = |of: &dyn Fn(&Followed) -> String| all.iter().map(of).collect::<Vec<_>>().join(", ");
     let names = list(&|f| f.name.clone());
@@ -59,7 +60,7 @@ pub fn follows(all: &[Followed]) -> Option<Missing> {
         rms_heldout_after: last.rms.1,
         gain_ci95: [all.iter().map(|f| f.gain[0]).sum(), all.iter().map(|f| f.gain[1]).sum()],
         p: LEVEL,
-        indistinguishable_from: Vec::new(),
+        indistinguishable_from: instead.iter().map(|kind| kind.id().into()).collect(),
         experiment: format!("repeat the move with {} held still", first.name),
         free_form: None,
     })

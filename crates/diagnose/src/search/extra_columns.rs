@@ -1,7 +1,6 @@
-//! Columns of the file that no effect reads: another joint's motion, a temperature, a supply. Where the error follows one of
-//! them, it is modelled by a free curve over that column before anything is named, so that no effect of the catalogue
-//! stands in for what is known not to come from this body's own motion. Where the catalogue explains clearly more than
-//! such curves, as of the forces in a machine, which follow its friction, they only model what it leaves.
+//! Columns of the file that no effect reads: another joint's motion, a temperature, a supply. Where the error of the
+//! baseline follows one of them, it is modelled by a free curve over that column before anything is named, so that no
+//! effect of the catalogue stands in for what is known not to come from this body's own motion.
 
 use crate::library::design_matrix::DesignMatrix;
 use crate::preparation::track::Track;
@@ -166,23 +165,13 @@ impl Followed {
     }
 }
 
-/// Adds to the baseline a curve over each column that the error follows which the baseline and the columns `beside` it leave,
-/// the strongest first.
-pub fn follow(
-    design: &mut DesignMatrix,
-    columns: &[ExtraColumn],
-    beside: &[&[f64]],
-    seed: u64,
-) -> Vec<Followed> {
+/// Adds to the baseline a curve over each column that its error follows, the strongest first.
+pub fn follow(design: &mut DesignMatrix, columns: &[ExtraColumn], seed: u64) -> Vec<Followed> {
     let own: Vec<&ExtraColumn> = columns.iter().filter(|c| c.is_own(design)).collect();
     let rows: f64 = design.block_weight().iter().sum();
     let rms = |f: &Fit| (f.heldout_sum() / rows.max(1e-300)).sqrt();
     let mut out: Vec<Followed> = Vec::new();
-    let known = |design: &DesignMatrix, fresh: &[Vec<f64>]| {
-        let own = design.baseline.iter().chain(fresh).map(Vec::as_slice);
-        fit(&own.chain(beside.iter().copied()).collect::<Vec<_>>(), &design.y, &design.blocks, FOLDS)
-    };
-    let Some(mut before) = known(design, &[]) else { return out };
+    let Some(mut before) = fit(&design.baseline, &design.y, &design.blocks, FOLDS) else { return out };
     while out.len() < MOST {
         let trials = own.iter().flat_map(|c| [(*c, false), (*c, true)]);
         let tried = trials.filter_map(|(column, with_direction)| {
@@ -191,7 +180,8 @@ pub fn follow(
             let curve = column.curve(design, &knots, with_direction);
             let kept: Vec<usize> = (0..curve.len()).filter(|k| basis.push(&curve[*k])).collect();
             let fresh: Vec<Vec<f64>> = kept.iter().map(|k| curve[*k].clone()).collect();
-            let after = known(design, &fresh)?;
+            let all: Vec<&[f64]> = design.baseline.iter().chain(&fresh).map(Vec::as_slice).collect();
+            let after = fit(&all, &design.y, &design.blocks, FOLDS)?;
             let name = column.name.clone();
             let rms = (rms(&before), rms(&after));
             let followed = Followed { name, with_direction, knots, kept, rms, gain: [0.0; 2] };

@@ -28,10 +28,10 @@ impl Regression {
         Some(Self { design, baseline: plain.clone(), plain, declared, followed: Vec::new() })
     }
 
-    /// With curves over the columns that the error follows which the baseline and the columns `beside` it leave.
-    pub fn following(&self, intake: &Intake, beside: &[&[f64]], options: &Options) -> Option<Self> {
+    /// With curves over the further columns that the error follows.
+    pub fn following(&self, intake: &Intake, options: &Options) -> Option<Self> {
         let mut design = self.design.clone();
-        let followed = extra_columns::follow(&mut design, &intake.extra, beside, options.seed);
+        let followed = extra_columns::follow(&mut design, &intake.extra, options.seed);
         self.with(design, followed)
     }
 
