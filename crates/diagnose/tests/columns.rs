@@ -64,6 +64,7 @@ fn friction_is_a_rival_of_a_force_inside_the_machine_that_follows_it() {
     let found = answer(&recording, &[]);
     let follows = found.missing.iter().find(|m| m.says.contains("follows band_n")).expect("it follows");
     assert!(follows.indistinguishable_from.contains(&"presliding".to_string()), "{follows:?}");
+    assert!(follows.says.contains("presliding"), "{}", follows.says);
 }
 
 #[test]

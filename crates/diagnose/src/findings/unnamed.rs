@@ -51,7 +51,14 @@ pub fn follows(all: &[Followed], instead: &[TermKind]) -> Option<Missing> {
     let names = list(&|f| f.name.clone());
     Some(Missing {
         effect: Unnamed::ABOUT.id.into(),
-        says: format!("the mismatch follows {names}: what acts there is not in the model"),
+        says: match instead {
+            [] => format!("the mismatch follows {names}: what acts there is not in the model"),
+            _ => format!(
+                "the mismatch follows {names}: what acts there is not in the model, or it follows this body's own {}, which \
+                 explains as much",
+                instead.iter().map(|kind| kind.id().replace('_', " ")).collect::<Vec<_>>().join(" and ")
+            ),
+        },
         equation: list(&|f| {
             format!("{}curve of {}", if f.with_direction { "sgn(v) times a " } else { "" }, f.name)
         }),
