@@ -22,6 +22,12 @@ static MACHINES: Need = Need::new(|| {
 static ARMS: Need =
     Need::new(|| ["mtm_joints", "panda_joints"].iter().find_map(|folder| recordings(folder).err()));
 
+static PAIRS: Need = Need::new(|| {
+    let folders =
+        ["iiwa_joints", "hsm150", "mtm_joints", "friction_damper", "pneumatic_seal", "servo_pendulum"];
+    folders.iter().chain(&["xl330_pendulum"]).find_map(|folder| recordings(folder).err())
+});
+
 fn main() -> ExitCode {
     untested::run!(
         tests![silverbox_is_a_nonlinear_spring_without_dry_friction].needing(&SILVERBOX),
@@ -31,6 +37,9 @@ fn main() -> ExitCode {
         tests![motion_in_one_direction_is_a_recording].needing(&MACHINES),
         tests![a_joint_that_is_coupled_to_others_has_no_ripple].needing(&ARMS),
         tests![a_damper_with_play_has_lost_motion].needing(&MACHINES),
+        tests![over_all_pairs_of_records_no_frozen_model_is_worse]
+            .needing(&PAIRS)
+            .on_demand("117 diagnoses, some ten minutes"),
     )
 }
 
@@ -145,6 +154,14 @@ fn silverbox_is_a_nonlinear_spring_without_dry_friction() {
     assert!(found.validation.iter().all(|v| v.relative_after < 0.5 * v.relative_before));
 }
 
+/// The same of the smaller servo, in newton metres.
+const SMALL_SERVO: &str = "time_s=timestamp,position_rad=position,\
+    torque_nm=0.13019*vin*torque_enable*max(-1,min(1,0.0028775*kp*(goal_position-position)))";
+
+/// ms, …, laser mm, pressure bar, force N. The pressure pushes the rod with 50 N/bar, the mean of force over pressure in each
+/// of the files, and presses the lips on the wall in proportion.
+const PRESSED: &str = "time_s=c1/1000,position_m=c5/1000,force_n=c7-50*c6,normal_force_n=50*c6";
+
 /// Rhoban's servo model: duty = 0.166·kp·(goal − position), at most 0.97, of the supply; as a force in volts.
 const SERVO: &str = "time_s=timestamp,position_rad=position,\
     torque_nm=vin*torque_enable*max(-0.97,min(0.97,0.166*kp*(goal_position-position)))";
@@ -179,10 +196,7 @@ fn a_servo_with_a_pendulum_lifts_it_against_gravity() {
 
 fn a_pneumatic_seal_rubs_harder_under_pressure() {
     let files = files("pneumatic_seal", "Circle_");
-    // ms, …, laser mm, pressure bar, force N. The pressure pushes the rod with 50 N/bar, the mean of force over pressure
-    // in each of the files, and presses the lips on the wall in proportion.
-    let map = "time_s=c1/1000,position_m=c5/1000,force_n=c7-50*c6,normal_force_n=50*c6";
-    let all: Vec<Recording> = files.iter().map(|f| read(f, map)).collect();
+    let all: Vec<Recording> = files.iter().map(|f| read(f, PRESSED)).collect();
     let (judge, train): (Vec<Recording>, Vec<Recording>) =
         all.into_iter().partition(|r| r.name.contains("5bar"));
     let found = found(&train, &judge);
@@ -242,4 +256,56 @@ fn a_damper_with_play_has_lost_motion() {
         let rival = |m: &diagnose::Missing| m.indistinguishable_from.iter().any(|r| r == "lost_motion");
         assert!(names(&found, "lost_motion") || found.missing.iter().any(rival), "{}", file.display());
     }
+}
+
+/// Median of ratios.
+fn median(mut ratios: Vec<f64>) -> f64 {
+    ratios.sort_by(f64::total_cmp);
+    let middle = ratios.len() / 2;
+    if ratios.is_empty() {
+        return f64::NAN;
+    }
+    if ratios.len() % 2 == 1 { ratios[middle] } else { 0.5 * (ratios[middle - 1] + ratios[middle]) }
+}
+
+/// Each record of a machine fitted alone and judged by each other one. Loads, pressures and speeds differ between them.
+fn over_all_pairs_of_records_no_frozen_model_is_worse() {
+    let joints = (1..=5).map(|j| (format!("arm, joint {j}"), files("mtm_joints", &format!("_j{j}")), ""));
+    let machines = [
+        ("robot's joint", files("iiwa_joints", "joint1"), ""),
+        ("motor stand", files("hsm150", ""), ""),
+        ("friction damper", files("friction_damper", ""), ""),
+        ("seal", files("pneumatic_seal", ""), PRESSED),
+        ("servo", files("servo_pendulum", ""), SERVO),
+        ("small servo", files("xl330_pendulum", ""), SMALL_SERVO),
+    ];
+    let machines =
+        machines.into_iter().map(|(name, files, map)| (name.to_string(), files, map)).chain(joints);
+    let mut all = Vec::new();
+    for (name, files, map) in machines {
+        let records: Vec<Recording> = files.iter().map(|f| read(f, map)).collect();
+        let mut ratios = Vec::new();
+        let mut asked = 0;
+        for (i, train) in records.iter().enumerate() {
+            // of the ten of the small servo each is judged by the next
+            let judges = (0..records.len())
+                .filter(|j| *j != i && (records.len() < 10 || *j == (i + 1) % records.len()));
+            for judge in judges.map(|j| &records[j]) {
+                asked += 1;
+                let (train, judge) = (std::slice::from_ref(train), std::slice::from_ref(judge));
+                let found = diagnose(train, judge, &Options::default(), &|_, _| ()).expect("a diagnosis");
+                ratios.extend(found.validation.iter().map(|v| v.rms_after / v.rms_before));
+            }
+        }
+        let worst = ratios.iter().copied().fold(0.0, f64::max);
+        println!(
+            "{name}: {} of {asked} pairs judged, median {:.3}, worst {worst:.3}",
+            ratios.len(),
+            median(ratios.clone())
+        );
+        all.extend(ratios);
+    }
+    let worse = all.iter().filter(|r| **r > 1.0001).count();
+    println!("{} pairs: median {:.3}, {worse} worse than the baseline", all.len(), median(all.clone()));
+    assert_eq!(worse, 0);
 }
