@@ -136,16 +136,19 @@ impl Named {
             let last = d.beside(&found);
             self.frozen(&last, options).squared(judges, &last).0
         };
+        let named = self.frozen(&self.found, options).squared(judges, &self.found).0;
         while !judges.is_empty() && !described.terms.is_empty() {
             tell(watch, 0.8, "what has no name")?;
+            let with = squared(&described);
             let fewer =
                 (0..described.terms.len()).filter_map(|i| described.without(&search, &found, Some(i)));
             let best = fewer.map(|d| (squared(&d), d)).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((without, fewer)) = best else { break };
-            if without > (1.0 - CHANCE) * squared(&described) {
-                break;
-            }
-            described = fewer;
+            let worse = with > named;
+            described = match best {
+                Some((without, fewer)) if worse || without <= (1.0 - CHANCE) * with => fewer,
+                None if worse => Described::nothing(&found),
+                _ => break,
+            };
         }
         // without a curve nothing contradicts a name
         let contradicted = !described.terms.is_empty() || kin.is_empty();

@@ -59,7 +59,7 @@ fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm]) -> Optio
 /// Everything that free forms explain beside `found`.
 pub fn describe(search: &Search, library: &Library, found: &Hypothesis, regimes: &[Regime]) -> Described {
     let design = search.design;
-    let mut out = Described { terms: Vec::new(), fit: found.fit.clone(), gains: Vec::new() };
+    let mut out = Described::nothing(found);
     let explained = Hypothesis::new(design, Vec::new())
         .map_or(0.0, |baseline| baseline.fit.heldout_sum() - found.fit.heldout_sum());
     while out.terms.len() < MOST {
@@ -73,6 +73,11 @@ pub fn describe(search: &Search, library: &Library, found: &Hypothesis, regimes:
 }
 
 impl Described {
+    /// No form beside a hypothesis.
+    pub fn nothing(found: &Hypothesis) -> Self {
+        Self { terms: Vec::new(), fit: found.fit.clone(), gains: Vec::new() }
+    }
+
     /// Refits the forms jointly with `found`, leaving out the form at index `drop`. None where a gain of `found` would leave
     /// the range that its effect accepts.
     pub fn without(&self, search: &Search, found: &Hypothesis, drop: Option<usize>) -> Option<Self> {
