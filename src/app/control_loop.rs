@@ -9,6 +9,8 @@ use haptics::{Config, Denied, Device, FaultKind, Inputs, ModeId, Outputs, Reques
 pub struct Command {
     /// Code of no force.
     pub zero: f32,
+    /// The same and a half: what is cut off above it is rounded.
+    pub to_round: f32,
     /// Newtons per code, negative if the amplifier is reversed.
     pub newton_per_code: f32,
     /// The inverse.
@@ -18,13 +20,9 @@ pub struct Command {
 impl Command {
     fn of(device: &Device) -> Self {
         let newton_per_code = device.command.unit_per_code;
-        Self { zero: device.command.offset_code, newton_per_code, code_per_newton: 1.0 / newton_per_code }
+        let zero = device.command.offset_code;
+        Self { zero, to_round: zero + 0.5, newton_per_code, code_per_newton: 1.0 / newton_per_code }
     }
-}
-
-/// All ones if the encoder of the device counts backwards.
-fn flip(device: &Device) -> u32 {
-    if device.encoder_reversed { u32::MAX } else { 0 }
 }
 
 /// The control step with its queues. Never blocks: telemetry that finds no room is dropped, which shows as a gap in the step
@@ -36,8 +34,8 @@ pub struct ControlLoop {
     /// Whether the first configuration of the queue is in use.
     replaced: bool,
     period_ticks: u32,
-    /// All ones if the encoder counts backwards.
-    flip: u32,
+    /// The encoder counts backwards.
+    reversed: bool,
     command: Command,
     step: u32,
     mode: ModeId,
@@ -59,7 +57,7 @@ impl ControlLoop {
         Self {
             state: State::new(config.device()),
             period_ticks: config.period_ticks(),
-            flip: flip(config.device()),
+            reversed: config.device().encoder_reversed,
             command: Command::of(config.device()),
             first: config,
             replaced: false,
@@ -71,7 +69,8 @@ impl ControlLoop {
         }
     }
 
-    /// One control period. Turns the count of the inputs round if the encoder is reversed. `raise` is a fault found by the board; it precedes `off`, which precedes requests of the tasks.
+    /// One control period. Turns the count of the inputs round if the encoder is reversed. `raise` is a fault found by the board; it
+    /// precedes `off`, which precedes requests of the tasks.
     pub fn tick(
         &mut self,
         ends: &mut ControlEnds<'_>,
@@ -90,10 +89,12 @@ impl ControlLoop {
             let period_ticks = config.period_ticks();
             self.state.reconfigured(period_ticks != self.period_ticks);
             self.period_ticks = period_ticks;
-            (self.flip, self.command) = (flip(config.device()), Command::of(config.device()));
+            let device = config.device();
+            (self.reversed, self.command) = (device.encoder_reversed, Command::of(device));
         }
-        // minus the count, where it counts backwards
-        inputs.count = (inputs.count ^ self.flip).wrapping_sub(self.flip);
+        if self.reversed {
+            inputs.count = inputs.count.wrapping_neg();
+        }
         let listens = raise.is_none() && !off && !configured && ends.requests.ready();
         let asked = if listens { ends.requests.peek() } else { None };
         let overtaken = asked.is_some() && self.overtaken > 0;
@@ -178,8 +179,8 @@ impl ControlLoop {
 
     /// How the force of the last step becomes a code of the output.
     #[must_use]
-    pub fn command(&self) -> Command {
-        self.command
+    pub fn command(&self) -> &Command {
+        &self.command
     }
 
     /// Timer ticks to the next step, from the present configuration.

@@ -144,8 +144,7 @@ impl Loop {
         let raise = self.pending.take().or(if self.raised { trouble } else { None });
         let step = self.control.steps();
         let outputs = self.control.tick(&mut self.ends, &mut inputs, raise);
-        let command = self.control.command();
-        self.hardware.drive(outputs.force, &command, outputs.amplifier && trouble.is_none());
+        self.hardware.drive(outputs.force, self.control.command(), outputs.amplifier && trouble.is_none());
         black_box::note(step, &outputs);
         let period_ticks = self.control.period_ticks();
         if period_ticks != self.period_ticks {
@@ -271,12 +270,12 @@ impl Hardware {
 
 /// Nearest DAC code of a force, N. Saturates; NaN is no force.
 fn dac_code(force: f32, command: &Command) -> u16 {
-    let code = force * command.code_per_newton + (command.zero + 0.5);
+    let code = force * command.code_per_newton + command.to_round;
     if code.is_nan() {
         return DAC_ZERO;
     }
-    // `as` saturates at 0
-    (code as u16).min(4095)
+    // `as` saturates at 0; to the 32 bits in which the processor converts, it is one instruction
+    (code as u32).min(4095) as u16
 }
 
 /// Time of the sample, count, and time of the count's last edge.

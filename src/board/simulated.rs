@@ -628,7 +628,7 @@ impl VirtualDevice {
         for _ in 0..self.board.periods_in_ms() {
             let mut inputs = self.board.sample();
             self.outputs = self.control.tick(&mut control_ends, &mut inputs, None);
-            self.board.drive(&self.outputs, &self.control.command());
+            self.board.drive(&self.outputs, self.control.command());
             if self.board.set_period(self.control.period_ticks()) {
                 break;
             }

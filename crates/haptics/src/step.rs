@@ -94,7 +94,6 @@ impl State {
         if config.new_device {
             // counts and codes have another meaning now
             (self.guard, self.estimator) = (Guard::default(), Estimator::default());
-            self.estimator.sample(inputs.sample_ticks, inputs.count, inputs.edge_ticks);
             if !matches!(self.mode, Mode::Fault(_)) {
                 self.mode = Mode::Idle;
             }
