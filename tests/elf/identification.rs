@@ -95,7 +95,7 @@ fn device_identification_matches_truth_and_host() {
             cycles.max
         );
         // with the waits of the buses 121 cycles over the 1 700 that are asked; the force is latched at 3 264
-        assert!(cycles.max < 1_830.0, "the control step while it identifies");
+        assert!(cycles.max < 1_800.0, "the control step while it identifies");
         println!(
             "  parameter    truth |   device ±      std | off, std |     host ±      std | off, std | apart, std"
         );
