@@ -88,15 +88,15 @@ impl Named {
             return;
         }
         let baseline = self.regression.baseline.clone();
-        let (plain, rows) = self.frozen(&baseline, options).squared(judges, &self.regression.plain);
+        let plain = self.frozen(&baseline, options).squared(judges, &self.regression.plain);
         loop {
             let frozen = self.frozen(&self.found, options);
-            let (with, _) = frozen.squared(judges, &self.found);
+            let with = frozen.squared(judges, &self.found);
             let others = |i: usize| {
                 let mut atoms = self.found.atoms.clone();
                 atoms.remove(i);
                 let without = Hypothesis::new(frozen.design, atoms)?;
-                Some((frozen.squared(judges, &without).0, i, without))
+                Some((frozen.squared(judges, &without), i, without))
             };
             let worse = with > plain;
             // recordings with another zero say nothing about what is zero there on the average, unless nothing else is left
@@ -111,9 +111,9 @@ impl Named {
             if without >= (1.0 - CHANCE) * with && !worse {
                 return;
             }
-            let rms = |sum: f64| (sum / rows.max(1.0)).sqrt();
             let kind = self.found.atoms[i].term.kind;
-            let withdrawn = Withdrawn { kind, regime: regime.into(), rms: (rms(without), rms(with)) };
+            let rms = (frozen.rms(judges, &fewer), frozen.rms(judges, &self.found));
+            let withdrawn = Withdrawn { kind, regime: regime.into(), rms };
             let search = self.search(options, cutoff);
             let (found, p) = search.prune(search.refine(fewer, FINE), baseline.fit.heldout_sum());
             self.withdrawn.push(withdrawn);
@@ -134,9 +134,9 @@ impl Named {
             contradiction::resolve(&search, &self.found, &self.regimes, &self.regression.baseline);
         let squared = |d: &Described| {
             let last = d.beside(&found);
-            self.frozen(&last, options).squared(judges, &last).0
+            self.frozen(&last, options).squared(judges, &last)
         };
-        let named = self.frozen(&self.found, options).squared(judges, &self.found).0;
+        let named = self.frozen(&self.found, options).squared(judges, &self.found);
         while !judges.is_empty() && !described.terms.is_empty() {
             tell(watch, 0.8, "what has no name")?;
             let with = squared(&described);
@@ -197,8 +197,8 @@ fn search<'a>(
     }
 }
 
-/// Names what is left out, beside curves over the further columns that the error follows. Forces inside a machine follow its
-/// friction: what the catalogue explains as well without such columns is their rival.
+/// Names what is left out, with curves over the further columns that the error follows. A force that was measured inside the
+/// machine may follow its friction; effects that explain the error as well without such columns are their rivals.
 pub(crate) fn name_beside_columns(
     intake: &Intake,
     plain: Regression,

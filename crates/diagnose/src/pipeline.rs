@@ -170,11 +170,8 @@ pub fn diagnose_watched(
         tell(watch, 0.8, "what has no name")?;
         named.describe(&judges, options, cutoff, watch)?;
         let frozen = named.frozen(&named.last, options);
-        let error = |h: &Hypothesis| {
-            let (sum, rows) = frozen.squared(&judges, h);
-            (sum / rows.max(1.0)).sqrt()
-        };
-        let (before, after) = (error(&named.regression.plain), error(&named.last));
+        let before = frozen.rms(&judges, &named.regression.plain);
+        let after = frozen.rms(&judges, &named.last);
         if named.regression.followed.is_empty() || judges.is_empty() || after <= before {
             break (named, judges);
         }
@@ -600,13 +597,12 @@ impl Run<'_> {
                 .map(|(on, rms_before, rms_after)| LeftOut { on, rms_before, rms_after });
         }
         let frozen = named.frozen(found, self.options);
-        let rms = |h: &Hypothesis| {
-            let (sum, rows) = frozen.squared(judges, h);
-            (sum / rows.max(1.0)).sqrt()
-        };
         let on: Vec<&str> = judges.iter().map(Judge::name).collect();
-        let (rms_before, rms_after) = (rms(&named.regression.plain), rms(found));
-        Some(LeftOut { on: on.join(", "), rms_before, rms_after })
+        Some(LeftOut {
+            on: on.join(", "),
+            rms_before: frozen.rms(judges, &named.regression.plain),
+            rms_after: frozen.rms(judges, found),
+        })
     }
 
     /// What differs between the recordings, as far as it was declared.

@@ -245,6 +245,14 @@ fn motion_in_one_direction_is_a_recording() {
         let found = found(&[given(file)], &[]);
         assert_ne!(found.verdict, Verdict::NotTestable, "{file}");
         assert!(!found.after.parameters.contains_key("coulomb_n"), "{file}: it only goes forward");
+        let backward = |b: &diagnose::Blind| b.because.contains("backward");
+        assert!(
+            !found.blind_to.iter().any(backward),
+            "{file}: a column that it does not have absorbs an effect"
+        );
+        // a push and a step of speed happen once: nothing says that they depend on something else
+        println!("{file}: {}", found.summary);
+        assert!(!found.summary.contains("not in the recording"), "{file}: {}", found.summary);
     }
 }
 

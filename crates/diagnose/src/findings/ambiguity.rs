@@ -140,7 +140,7 @@ pub fn blind(
                 design
                     .baseline
                     .iter()
-                    .zip(names)
+                    .zip(design.present.iter().map(|i| names[*i]))
                     .map(|(b, n)| (dot(b, &column).abs() / (size * dot(b, b).sqrt()).max(1e-300), n))
                     .max_by(|a, b| a.0.total_cmp(&b.0))
             });

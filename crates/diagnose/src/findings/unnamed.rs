@@ -21,13 +21,22 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
     let rms = (found.fit.heldout_sum() / rows).sqrt();
     let floor = (search.floor / rows).sqrt();
     let unit = Dimension::FORCE.unit(geometry);
+    let left = crate::findings::words::short(rms);
+    let (why, experiment) = if search.design.is_one_way() {
+        (
+            "no explanation of one part of this recording holds in another; the body passes every place once, so what acts at \
+             a place and what acts at a time look alike",
+            "repeat the move, from other starting points",
+        )
+    } else {
+        (
+            "nothing in this recording explains it: it depends on something that is not in the recording",
+            "record other influences on this body (other joints, a temperature, a supply, a load) as further columns",
+        )
+    };
     (rms > if p <= LEVEL { SEVERAL } else { MANY } * floor).then(|| Missing {
         effect: Unnamed::ABOUT.id.into(),
-        says: format!(
-            "the error is {:.0} times the noise floor, and nothing in this recording explains it: it depends on \
-             something that is not in the recording",
-            rms / floor
-        ),
+        says: format!("the error is {:.0} times the noise floor, and {why}", rms / floor),
         equation: String::new(),
         parameters: BTreeMap::new(),
         rms_heldout_before: rms,
@@ -35,11 +44,7 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
         gain_ci95: [0.0, 0.0],
         p,
         indistinguishable_from: Vec::new(),
-        experiment: format!(
-            "record other influences on this body (other joints, a temperature, a supply, a load) as \
-             further columns: {} {unit} are left",
-            crate::findings::words::short(rms)
-        ),
+        experiment: format!("{experiment}: {left} {unit} are left"),
         free_form: None,
     })
 }

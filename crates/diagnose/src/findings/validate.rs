@@ -64,16 +64,22 @@ impl Frozen<'_> {
         judges.iter().map(|j| self.one(&j.design, j.index, &j.name, geometry)).collect()
     }
 
-    /// Squared error of a hypothesis on all of `judges`, and their number of rows. Declared nuisances are fitted again.
-    pub fn squared(&self, judges: &[Judge], hypothesis: &Hypothesis) -> (f64, f64) {
+    /// Squared error of a hypothesis on all of `judges`. Declared nuisances are fitted again.
+    pub fn squared(&self, judges: &[Judge], hypothesis: &Hypothesis) -> f64 {
         let of = |j: &Judge| {
+            if !self.declared.is_empty() {
+                return self.refit(&j.design, j.index, hypothesis).0;
+            }
             let rest = self.rest(&j.design, hypothesis, self.absolute);
-            let least = dot(&rest, &rest);
-            let sum =
-                if self.declared.is_empty() { least } else { self.refit(&j.design, j.index, hypothesis).0 };
-            (sum, j.design.block_weight().iter().sum::<f64>())
+            dot(&rest, &rest)
         };
-        judges.iter().map(of).fold((0.0, 0.0), |(s, n), (sum, rows)| (s + sum, n + rows))
+        judges.iter().map(of).sum()
+    }
+
+    /// The same as a root mean square.
+    pub fn rms(&self, judges: &[Judge], hypothesis: &Hypothesis) -> f64 {
+        let rows: f64 = judges.iter().flat_map(|j| j.design.block_weight()).sum();
+        (self.squared(judges, hypothesis) / rows.max(1.0)).sqrt()
     }
 
     fn one(&self, design: &DesignMatrix, index: usize, name: &str, geometry: Geometry) -> Validation {

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use signals::{dot, subtract_scaled};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::borrow::Borrow;
+use std::ops::Range;
 
 /// Groups of blocks left out in turn.
 pub const FOLDS: usize = 10;
@@ -35,7 +36,7 @@ impl Blocks {
     }
 
     /// Rows of block `k`.
-    pub fn rows(&self, k: usize) -> std::ops::Range<usize> {
+    pub fn rows(&self, k: usize) -> Range<usize> {
         self.edges[k]..self.edges[k + 1]
     }
 }
@@ -68,20 +69,25 @@ impl Fit {
     }
 }
 
-fn normal<C: Borrow<[f64]>>(columns: &[C], y: &[f64], rows: std::ops::Range<usize>) -> Normal {
+fn normal<C: Borrow<[f64]>>(columns: &[C], y: &[f64], rows: Range<usize>) -> Normal {
+    let y = &y[rows.clone()];
+    let moment = DVector::from_fn(columns.len(), |i, _| dot(&columns[i].borrow()[rows.clone()], y));
+    Normal { gram: gram(columns, rows), moment }
+}
+
+/// Inner products of the columns.
+fn gram<C: Borrow<[f64]>>(columns: &[C], rows: Range<usize>) -> DMatrix<f64> {
     let p = columns.len();
     let mut gram = DMatrix::zeros(p, p);
-    let mut moment = DVector::zeros(p);
     for i in 0..p {
         let a = &columns[i].borrow()[rows.clone()];
-        moment[i] = dot(a, &y[rows.clone()]);
         for j in 0..=i {
             let g = dot(a, &columns[j].borrow()[rows.clone()]);
             gram[(i, j)] = g;
             gram[(j, i)] = g;
         }
     }
-    Normal { gram, moment }
+    gram
 }
 
 /// Inverse of a Gram matrix, scaled to unit diagonal first; None when it is singular.
@@ -104,12 +110,17 @@ pub fn solve<C: Borrow<[f64]>>(columns: &[C], y: &[f64]) -> Option<Vec<f64>> {
     Some((inverse(&whole.gram)? * whole.moment).iter().copied().collect())
 }
 
-/// Mean variance of a prediction of the rows `judged` by least squares over the rows `fitted`, over the variance of one row:
-/// their mean leverage. None when the columns are dependent.
-pub fn leverage<C: Borrow<[f64]>>(fitted: &[C], judged: &[C]) -> Option<f64> {
-    let rows = |columns: &[C]| columns.first().map_or(0, |c| c.borrow().len());
-    let gram = |columns: &[C]| normal(columns, &vec![0.0; rows(columns)], 0..rows(columns)).gram;
-    Some((inverse(&gram(fitted))? * gram(judged)).trace() / rows(judged).max(1) as f64)
+/// The same, and the mean leverage of the rows `judged`: the mean variance of their prediction over that of one row.
+pub fn solve_with_leverage<C: Borrow<[f64]>>(
+    columns: &[C],
+    y: &[f64],
+    judged: &[C],
+) -> Option<(Vec<f64>, f64)> {
+    let fitted = normal(columns, y, 0..y.len());
+    let cover = inverse(&fitted.gram)?;
+    let rows = judged.first().map_or(0, |c| c.borrow().len());
+    let leverage = (&cover * gram(judged, 0..rows)).trace() / rows.max(1) as f64;
+    Some(((cover * fitted.moment).iter().copied().collect(), leverage))
 }
 
 /// Fits `y` by `columns` and cross-validates over groups of contiguous blocks; a block on either side of a

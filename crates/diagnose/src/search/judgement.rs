@@ -21,7 +21,8 @@ const OUTSIDE: f64 = 0.02;
 /// Share of what a term gains that another may lose in its place and still count as good.
 const AS_GOOD: f64 = 0.03;
 
-type Two<A, B> = (Vec<A>, Vec<B>);
+/// What `unzip` makes of pairs.
+type Unzipped<A, B> = (Vec<A>, Vec<B>);
 
 /// Settings of the search.
 #[derive(Debug, Clone, Copy)]
@@ -40,7 +41,7 @@ pub struct Search<'a> {
     pub systematic: f64,
     /// Most terms.
     pub max_terms: usize,
-    /// Most gains and shapes of all terms together: so many as the rows can tell apart.
+    /// Most gains and shapes of all terms together: the rows tell no more of them apart.
     pub max_parameters: usize,
     /// Hypotheses carried along.
     pub width: usize,
@@ -101,7 +102,7 @@ impl Search<'_> {
                 ((*of, scores(&parent.residual)), (scores(noise), size * spread))
             })
         };
-        let ((of, observed), (noise, scale)): (Two<L, Scores>, Two<Scores, f64>) =
+        let ((of, observed), (noise, scale)): (Unzipped<L, Scores>, Unzipped<Scores, f64>) =
             columns.par_iter().filter_map(score).unzip();
         (of, family(&observed, &noise, &scale, FLIPS, self.seed))
     }

@@ -6,12 +6,12 @@
 //! save squared error.
 //!
 //! A term that ends on a bound of its shape is a symptom of something else, and does not last either; nor does a line that
-//! explains hardly more than the wavelengths beside it.
+//! neighbouring wavelengths would explain nearly as well.
 
 use crate::findings::locate::{row_motion, row_times};
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::TermKind;
-use crate::regression::linear::{leverage, solve};
+use crate::regression::linear::{solve, solve_with_leverage};
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::joint::at_end;
 use crate::search::judgement::Search;
@@ -117,9 +117,8 @@ fn rows_of(design: &DesignMatrix, regime: &Regime, inside: bool) -> Vec<usize> {
 fn solve_rest(columns: &[&[f64]], y: &[f64], rest: &[usize], inside: &[usize]) -> Option<Vec<f64>> {
     let gather = |of: &[f64], rows: &[usize]| rows.iter().map(|r| of[*r]).collect::<Vec<f64>>();
     let over = |rows: &[usize]| columns.iter().map(|c| gather(c, rows)).collect::<Vec<_>>();
-    let fitted = over(rest);
-    leverage(&fitted, &over(inside)).filter(|l| *l <= 1.0)?;
-    solve(&fitted, &gather(y, rest))
+    let (fitted, leverage) = solve_with_leverage(&over(rest), &gather(y, rest), &over(inside))?;
+    (leverage <= 1.0).then_some(fitted)
 }
 
 /// Squared error over some rows.
@@ -282,7 +281,8 @@ const STANDS_OUT: f64 = 15.0;
 /// Distances of the neighbours in wavenumber, in cycles on the stroke: beyond what the line itself leaks there.
 const NEIGHBOURS: [f64; 8] = [-4.5, -3.5, -2.5, -1.5, 1.5, 2.5, 3.5, 4.5];
 
-/// Whether term `i` is a line that does not stand out: what is left follows the position in many ways, and it is one of them.
+/// Whether term `i` is a wavelength among many that explain about as much: the error then follows the position, but does not
+/// repeat along it.
 fn no_line(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
     let atom = &found.atoms[i];
     let wave = atom.term.kind.about().wavelength()?;

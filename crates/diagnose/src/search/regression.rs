@@ -30,27 +30,28 @@ impl Regression {
 
     /// With curves over the further columns that the error follows.
     pub fn following(&self, intake: &Intake, options: &Options) -> Option<Self> {
-        let mut design = self.design.clone();
-        let followed = extra_columns::follow(&mut design, &intake.extra, options.seed);
-        self.with(design, followed)
+        let mut out = self.clone();
+        out.followed = extra_columns::follow(&mut out.design, &intake.extra, options.seed);
+        out.fitted()
     }
 
     /// The same with the delay among the effects.
     pub fn without_delay(&self, intake: &Intake, cutoff: f64, options: &Options) -> Option<Self> {
         let design = DesignMatrix::new(&intake.stretches, cutoff, intake.reversals, false)?;
-        let plain = Self::new(design, options)?;
-        let mut design = plain.design.clone();
-        let curves = self.followed.iter().flat_map(|f| f.columns(&plain.design, &intake.extra));
-        design.baseline.extend(curves);
-        plain.with(design, self.followed.clone())
+        let mut out = Self::new(design, options)?;
+        let curves: Vec<_> =
+            self.followed.iter().flat_map(|f| f.columns(&out.design, &intake.extra)).collect();
+        out.design.baseline.extend(curves);
+        out.followed.clone_from(&self.followed);
+        out.fitted()
     }
 
-    fn with(&self, design: DesignMatrix, followed: Vec<Followed>) -> Option<Self> {
-        let Self { mut plain, declared, .. } = self.clone();
-        let baseline = Hypothesis::new(&design, Vec::new())?;
-        plain.fit.coefficients.resize(design.baseline.len(), 0.0);
-        plain.fit.std_errors.resize(design.baseline.len(), 0.0);
-        Some(Self { design, baseline, plain, declared, followed })
+    /// Fitted again, with the curves that its baseline has by now.
+    fn fitted(mut self) -> Option<Self> {
+        self.baseline = Hypothesis::new(&self.design, Vec::new())?;
+        self.plain.fit.coefficients.resize(self.design.baseline.len(), 0.0);
+        self.plain.fit.std_errors.resize(self.design.baseline.len(), 0.0);
+        Some(self)
     }
 
     /// Number of columns of the plain baseline.

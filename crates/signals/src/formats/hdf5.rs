@@ -33,7 +33,7 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
     Ok(recording)
 }
 
-/// Variables of a file as it is walked through, and the memory they take.
+/// Variables that were found in a file so far, and the memory that is left for more.
 struct Found {
     matlab: bool,
     variables: Vec<Variable>,

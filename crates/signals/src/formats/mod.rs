@@ -71,6 +71,21 @@ pub struct ReadOptions {
     pub joint: Option<String>,
 }
 
+/// What `read` makes of a file with the map that it needs, and that map.
+fn with_needed_map<'m>(
+    maps: &'m [Map],
+    joint: Option<&str>,
+    read: impl FnOnce(&Wanted) -> Result<Recording, Error>,
+) -> Result<(Recording, Option<&'m Map>), Error> {
+    let used = Cell::new(None);
+    let map = |has: &dyn Fn(&str) -> bool| {
+        used.set(Map::needed(maps, has));
+        used.get()
+    };
+    let recording = read(&Wanted { map: &map, joint })?;
+    Ok((recording, used.get()))
+}
+
 impl Recording {
     /// Reads a recording: text, JSON, MATLAB 5 to 7.3, HDF5, Parquet, MCAP, or a bag of ROS 2. What a file begins with decides on its
     /// kind, then the suffix of its name.
@@ -92,13 +107,7 @@ impl Recording {
         maps: &'m [Map],
         joint: Option<&str>,
     ) -> Result<(Self, Option<&'m Map>), Error> {
-        let used = Cell::new(None);
-        let map = |has: &dyn Fn(&str) -> bool| {
-            used.set(Map::needed(maps, has));
-            used.get()
-        };
-        let recording = read(path.as_ref(), &Wanted { map: &map, joint })?;
-        Ok((recording, used.get()))
+        with_needed_map(maps, joint, |wanted| read(path.as_ref(), wanted))
     }
 
     /// As [`Recording::read`], of a file in memory; `name` is the file's. MCAP and bags are read from a disk only.
@@ -120,13 +129,7 @@ impl Recording {
         maps: &'m [Map],
         joint: Option<&str>,
     ) -> Result<(Self, Option<&'m Map>), Error> {
-        let used = Cell::new(None);
-        let map = |has: &dyn Fn(&str) -> bool| {
-            used.set(Map::needed(maps, has));
-            used.get()
-        };
-        let recording = in_memory(name, bytes, &Wanted { map: &map, joint })?;
-        Ok((recording, used.get()))
+        with_needed_map(maps, joint, |wanted| in_memory(name, bytes, wanted))
     }
 
     /// Reads the text of a CSV file; `name` stands for the file in messages.
