@@ -131,7 +131,7 @@ fn fit(points: &[Point], nominal: &Channel, one_will_do: bool) -> Result<Fit, Un
         return Err(Unfit::Backwards);
     }
     let channel = Channel { offset_code: code - slope * value, unit_per_code: 1.0 / slope };
-    plausible(&channel, nominal)?;
+    plausible(&channel, nominal, OFFSET)?;
     let off = |p: &Point| (p.code - channel.offset_code - slope * p.value).abs();
     let span = points.iter().map(|p| p.code).fold(f32::MIN, f32::max)
         - points.iter().map(|p| p.code).fold(f32::MAX, f32::min);
@@ -299,18 +299,7 @@ pub(super) fn encode(device: &Device) -> [u8; STORED] {
     let mut item = [FORMAT; STORED];
     let rotary = if device.geometry == Geometry::Rotary { ROTARY } else { 0 };
     item[1] = rotary | if device.encoder_reversed { REVERSED } else { 0 };
-    let sheet = &device.sheet;
-    let settings = [
-        device.stroke,
-        device.metre_per_count,
-        device.mass,
-        device.damping,
-        device.overspeed,
-        device.force_max,
-        sheet.command.unit_per_code,
-        sheet.load.unit_per_code,
-        sheet.accel.unit_per_code,
-    ];
+    let settings = settings(&mut { *device }).map(|setting| *setting);
     let channels = [device.command, device.load, device.accel].map(|c| [c.offset_code, c.unit_per_code]);
     for (to, number) in item[2..].chunks_exact_mut(4).zip(settings.iter().chain(channels.as_flattened())) {
         to.copy_from_slice(&number.to_le_bytes());
@@ -335,17 +324,7 @@ pub(super) fn decode(item: &[u8], board: &Device) -> Option<Device> {
     if let Some(signs) = signs {
         device.geometry = if signs & ROTARY != 0 { Geometry::Rotary } else { Geometry::Linear };
         device.encoder_reversed = signs & REVERSED != 0;
-        for to in [
-            &mut device.stroke,
-            &mut device.metre_per_count,
-            &mut device.mass,
-            &mut device.damping,
-            &mut device.overspeed,
-            &mut device.force_max,
-            &mut device.sheet.command.unit_per_code,
-            &mut device.sheet.load.unit_per_code,
-            &mut device.sheet.accel.unit_per_code,
-        ] {
+        for to in settings(&mut device) {
             *to = numbers.next()?;
         }
         if device != *board {
@@ -353,41 +332,43 @@ pub(super) fn decode(item: &[u8], board: &Device) -> Option<Device> {
         }
         device.check(|_| false).ok()?;
     }
-    let mut channel = |sheet: &Channel, near: fn(&Channel, &Channel) -> Result<(), Unfit>| {
+    let mut channel = |sheet: &Channel, offset: f32| {
         let channel = Channel { offset_code: numbers.next()?, unit_per_code: numbers.next()? };
-        near(&channel, sheet).ok().map(|()| channel)
+        plausible(&channel, sheet, offset).ok().map(|()| channel)
     };
     if signs.is_some() {
-        device.command = channel(&device.sheet.command, plausible_command)?;
+        device.command = channel(&device.sheet.command, COMMAND_OFFSET)?;
     }
-    device.load = channel(&device.sheet.load, plausible)?;
-    device.accel = channel(&device.sheet.accel, plausible)?;
+    device.load = channel(&device.sheet.load, OFFSET)?;
+    device.accel = channel(&device.sheet.accel, OFFSET)?;
     Some(device)
 }
 
-/// Whether the gain of a channel is near that of the data sheet.
-fn plausible_gain(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
-    if (channel.unit_per_code / nominal.unit_per_code - 1.0).abs() <= GAIN {
-        Ok(())
-    } else {
-        Err(Unfit::Gain { found: channel.unit_per_code, nominal: nominal.unit_per_code })
-    }
+/// Settings of a device that are numbers, in the order in which they are stored.
+fn settings(device: &mut Device) -> [&mut f32; 9] {
+    let sheet = &mut device.sheet;
+    [
+        &mut device.stroke,
+        &mut device.metre_per_count,
+        &mut device.mass,
+        &mut device.damping,
+        &mut device.overspeed,
+        &mut device.force_max,
+        &mut sheet.command.unit_per_code,
+        &mut sheet.load.unit_per_code,
+        &mut sheet.accel.unit_per_code,
+    ]
 }
 
-/// The same for the force command, whose codes have 12 bits.
-fn plausible_command(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
-    plausible_gain(channel, nominal)?;
-    if !((channel.offset_code - nominal.offset_code).abs() <= COMMAND_OFFSET) {
-        return Err(Unfit::Offset { found: channel.offset_code, nominal: nominal.offset_code });
+/// Whether a channel is near that of the data sheet, its zero within `offset` codes.
+fn plausible(channel: &Channel, nominal: &Channel, offset: f32) -> Result<(), Unfit> {
+    let (found, sheet) = (channel.unit_per_code, nominal.unit_per_code);
+    if !((found / sheet - 1.0).abs() <= GAIN) {
+        return Err(Unfit::Gain { found, nominal: sheet });
     }
-    Ok(())
-}
-
-/// Whether a channel of a sensor is near that of the data sheet.
-fn plausible(channel: &Channel, nominal: &Channel) -> Result<(), Unfit> {
-    plausible_gain(channel, nominal)?;
-    if !((channel.offset_code - nominal.offset_code).abs() <= OFFSET) {
-        return Err(Unfit::Offset { found: channel.offset_code, nominal: nominal.offset_code });
+    let (found, sheet) = (channel.offset_code, nominal.offset_code);
+    if !((found - sheet).abs() <= offset) {
+        return Err(Unfit::Offset { found, nominal: sheet });
     }
     Ok(())
 }
