@@ -1,7 +1,7 @@
 //! Answers to requests that the control loop has handled, and the wording of single answers.
 
 use super::calibrate::{Fits, describe};
-use super::line::{Line, err};
+use super::line::{self, Line, err};
 use super::{FaultReport, Telemetry};
 use core::fmt::{self, Write};
 use friction::{Dimension, Geometry, Unit};
@@ -193,10 +193,7 @@ pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Res
 /// The result of a search for the stops in one line.
 #[inline(never)]
 pub(super) fn homed(homed: Homed, device: &Device, out: &mut Line) -> fmt::Result {
-    let (scale, unit) = match device.geometry {
-        Geometry::Linear => (1e3, "mm"),
-        Geometry::Rotary => (1.0, "rad"),
-    };
+    let (scale, unit) = line::travel(device.geometry);
     let millimetre = |metre: f32| Text(scale * metre);
     if let Homed::Middle { stroke } = homed {
         let stroke = millimetre(stroke);

@@ -782,8 +782,7 @@ impl Desk {
             return self
                 .err("BUSY", "the device is set at rest, with the amplifier off: `stop`, hands off, first");
         }
-        let fits = self.settings.validate(&device).is_ok();
-        let scaled = if fits { None } else { Settings::brass().scaled_to(&device) };
+        let scaled = self.stand_in(&device);
         match scaled.unwrap_or(self.settings).build(&device) {
             Ok(config) => {
                 let pending = Pending::Device { device, what, scaled };
@@ -791,6 +790,11 @@ impl Desk {
             }
             Err(refused) => self.refused(&refused, device.geometry),
         }
+    }
+
+    /// Brass at the scale of a device that cannot render the present settings.
+    fn stand_in(&self, device: &Device) -> Option<Settings> {
+        self.settings.validate(device).err().and_then(|_| Settings::brass().scaled_to(device))
     }
 
     /// The device is another one.

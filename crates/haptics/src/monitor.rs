@@ -126,9 +126,7 @@ impl Limits {
         }
         Ok(())
     }
-}
 
-impl Limits {
     /// Those of a device: the same shares of its largest force.
     #[must_use]
     pub fn of(device: &Device) -> Self {
