@@ -9,6 +9,8 @@ use haptics::{Config, Denied, Device, FaultKind, Inputs, ModeId, Outputs, Reques
 pub struct Command {
     /// Code of no force.
     pub zero: f32,
+    /// The same and a half: what is cut off above it is rounded. Here, because a step has no cycle to spare.
+    pub to_round: f32,
     /// Newtons per code, negative if the amplifier is reversed.
     pub newton_per_code: f32,
     /// The inverse.
@@ -19,7 +21,7 @@ impl Command {
     fn of(device: &Device) -> Self {
         let newton_per_code = device.command.unit_per_code;
         let zero = device.command.offset_code;
-        Self { zero, newton_per_code, code_per_newton: 1.0 / newton_per_code }
+        Self { zero, to_round: zero + 0.5, newton_per_code, code_per_newton: 1.0 / newton_per_code }
     }
 }
 

@@ -270,8 +270,7 @@ impl Hardware {
 
 /// Nearest DAC code of a force, N. Saturates; NaN is no force.
 fn dac_code(force: f32, command: &Command) -> u16 {
-    // what is cut off above a half more is rounded
-    let code = force * command.code_per_newton + (command.zero + 0.5);
+    let code = force * command.code_per_newton + command.to_round;
     if code.is_nan() {
         return DAC_ZERO;
     }
