@@ -248,7 +248,7 @@ impl Calibration {
         } else {
             // a repeated value replaces the point
             points.retain(|p| p.value != value);
-            let (name, unit) = (average.sensor.id(), average.sensor.unit(device.geometry));
+            let (name, unit) = (average.sensor.id(), average.sensor.dimension().unit(device.geometry));
             if points.push(Point { value, code }).is_err() {
                 let _ =
                     write!(out, "all {POINTS} points are in use: `calibrate save` or `calibrate discard`");
@@ -379,7 +379,7 @@ pub(super) fn describe(sensor: Sensor, device: &Device, fit: Option<&Fit>, out: 
         Sensor::Load => &device.load,
         Sensor::Accel => &device.accel,
     };
-    let (name, unit) = (sensor.id(), sensor.unit(device.geometry));
+    let (name, unit) = (sensor.id(), sensor.dimension().unit(device.geometry));
     let (gain, zero) = (Text(channel.unit_per_code), Text(channel.offset_code));
     write!(out, "; {name}: {gain:.7} {unit} per code, zero at {zero:.1}")?;
     match fit {

@@ -677,7 +677,8 @@ impl Desk {
         let mut limits = self.limits;
         for limit in Limits::ALL {
             let value = Text(*(limit.of)(&mut limits));
-            let _ = write!(line, "; {} {value} {}: {}", limit.name, limit.unit, limit.what);
+            let unit = limit.dimension.unit(self.device.geometry);
+            let _ = write!(line, "; {} {value} {unit}: {}", limit.name, limit.what);
         }
         let _ = write!(line, "; motor at {:.0} % of its heat", Text(100.0 * self.monitor.heat()));
         self.say(&line);
@@ -693,7 +694,8 @@ impl Desk {
         match limits.validate(&self.device) {
             Ok(()) => {
                 self.limits = limits;
-                self.ok(format_args!("limit {name} {} {}", Text(value), limit.unit));
+                let unit = limit.dimension.unit(self.device.geometry);
+                self.ok(format_args!("limit {name} {} {unit}", Text(value)));
             }
             Err(refused) => self.refused(&refused, self.device.geometry),
         }

@@ -6,7 +6,6 @@ use core::fmt;
 use friction::{Dimension, Geometry};
 use haptics::number::Text;
 use haptics::{Channel, Device, ModeId};
-use link::Sensor;
 
 /// Control periods at rest.
 const PERIODS: u32 = 500;
@@ -188,7 +187,7 @@ impl fmt::Display for OnDevice {
             }
             Finding::Accelerometer { metre_per_second_squared, span, sign } => {
                 let a = Text(metre_per_second_squared);
-                let unit = Sensor::Accel.unit(*geometry);
+                let unit = Dimension::ACCELERATION.unit(*geometry);
                 write!(f, "accelerometer: {a:.2} {unit} at rest, noise over {span} codes")?;
                 sign.write("reads", f)?;
                 match sign {

@@ -58,5 +58,5 @@ pub use probe::Probe;
 pub use settings::{LawKind, Parameter, RendererKind, SetError, Settings, Value};
 pub use step::{State, step};
 pub use streaming_identify::{Identified, Number, Procedure, Solver};
-pub use verdict::{Accepted, Refused, Warning};
+pub use verdict::{Accepted, Reason, Refused, Warning};
 pub use wave::Wave;

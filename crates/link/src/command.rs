@@ -1,7 +1,7 @@
 //! Parser of command lines.
 
 use core::fmt;
-use friction::Geometry;
+use friction::Dimension;
 use haptics::{Excitation, Wave};
 
 /// A command to the device.
@@ -87,14 +87,12 @@ impl Sensor {
         }
     }
 
-    /// Unit of the values.
+    /// Dimension of the values.
     #[must_use]
-    pub const fn unit(self, geometry: Geometry) -> &'static str {
-        match (self, geometry) {
-            (Self::Load, Geometry::Linear) => "N",
-            (Self::Load, Geometry::Rotary) => "N·m",
-            (Self::Accel, Geometry::Linear) => "m/s2",
-            (Self::Accel, Geometry::Rotary) => "rad/s2",
+    pub const fn dimension(self) -> Dimension {
+        match self {
+            Self::Load => Dimension::FORCE,
+            Self::Accel => Dimension::ACCELERATION,
         }
     }
 }
@@ -309,7 +307,7 @@ fn calibrate<'a>(words: &mut Words<'a>) -> Result<Calibrate, BadCommand<'a>> {
         "status" => return Ok(Calibrate::Status),
         word => return Err(BadCommand::NotOneOf(word, "load, accel, save, discard, status")),
     };
-    let value = finite("VALUE", words.next()?, "a finite number of N or m/s2")?;
+    let value = finite("VALUE", words.next()?, "a finite number of N or m/s²")?;
     Ok(Calibrate::Point(sensor, value))
 }
 

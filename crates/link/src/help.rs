@@ -49,7 +49,7 @@ pub const HELP: &[HelpLine] = &[
     line("selftest", "tests sensors, loop and amplifier; pushes the handle by a millimetre: hands off"),
     line(
         "calibrate load|accel VALUE | save|discard|status",
-        "the true value now, N or m/s2; at least two values, then save",
+        "the true value now, N or m/s² (N·m, rad/s²); at least two values, then save",
     ),
     line(
         "device [set NAME VALUE [NAME VALUE …] | reset]",
