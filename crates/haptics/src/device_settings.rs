@@ -3,7 +3,7 @@
 //! A negative `resolution` or gain is a signal that is reversed. Every range depends on other settings, so that a device is set
 //! as a whole: [`Device::set`] one by one, then [`Device::check`].
 
-use crate::{Accepted, Device, Reason, Refused, SetError, number, settings::SetWhy};
+use crate::{Accepted, Channel, Device, Reason, Refused, SetError, number, settings::SetWhy};
 use friction::{Dimension, Geometry, Unit};
 
 /// Reference voltage of both converters, V.
@@ -150,6 +150,14 @@ impl Device {
         Ok(())
     }
 
+    /// Largest force that the output gives both ways with its calibration, N.
+    #[must_use]
+    pub fn reach(&self) -> f32 {
+        let Channel { offset_code, unit_per_code } = self.command;
+        let (low, high) = ((HALF - OUTPUT) * (DAC_CODES / SUPPLY), (HALF + OUTPUT) * (DAC_CODES / SUPPLY));
+        unit_per_code.abs() * (offset_code - low).min(high - offset_code)
+    }
+
     /// Accepted magnitudes of a setting with the others as they are, and what bounds them.
     fn range(&self, name: &str) -> Option<(f32, f32, Reason)> {
         let d = self;
@@ -194,7 +202,7 @@ impl Device {
             ),
             "force_max" => (
                 (d.mass * d.overspeed / START_S.1).max(USED * OUTPUT * force_gain),
-                (d.mass * d.overspeed / START_S.0).min(OUTPUT * force_gain).min(HALF * load_gain),
+                (d.mass * d.overspeed / START_S.0).min(d.reach()).min(HALF * load_gain),
                 Reason::of(
                     Dimension::FORCE,
                     "within the range of output and load cell, reaches the overspeed in 10 ms to 10 s",

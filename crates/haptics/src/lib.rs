@@ -54,7 +54,7 @@ pub use io::{Inputs, Outputs};
 pub use machine::{Fault, Mode, Request};
 pub use mode_id::ModeId;
 pub use monitor::{Limit, Limits, Monitor};
-pub use probe::Probe;
+pub use probe::{Probe, Ramp};
 pub use settings::{LawKind, Parameter, RendererKind, SetError, Settings, Value};
 pub use step::{State, step};
 pub use streaming_identify::{Identified, Number, Procedure, Solver};

@@ -51,6 +51,7 @@ pub const HELP: &[HelpLine] = &[
         "calibrate load|accel VALUE | save|discard|status",
         "the true value now, N or m/s² (N·m, rad/s²); at least two values, then save",
     ),
+    line("calibrate force", "the force command against the load cell, while you hold the handle; 12 s"),
     line(
         "device [set NAME VALUE [NAME VALUE …] | reset]",
         "the device: stroke, resolution, signs, gains …; stored, in use at once, unreferenced then",
