@@ -167,9 +167,8 @@ pub(super) enum Unfit {
     },
     /// The ramp ended before its time.
     Interrupted,
-    /// The handle moved, m.
+    /// The handle moved further than this, m.
     NotHeld {
-        travel: f32,
         most: f32,
         geometry: Geometry,
     },
@@ -219,13 +218,10 @@ impl fmt::Display for Unfit {
                 )
             }
             Self::Interrupted => f.write_str("interrupted"),
-            Self::NotHeld { travel, most, geometry } => {
+            Self::NotHeld { most, geometry } => {
                 let (scale, unit) = line::travel(geometry);
-                let (travel, most) = (Text(scale * travel), Text(scale * most));
-                write!(
-                    f,
-                    "the handle moved by {travel:.1} {unit}: accepted up to {most:.1}; hold it in the middle, or lock it"
-                )
+                let most = Text(scale * most);
+                write!(f, "the handle moved: accepted up to {most:.1} {unit}; hold it in the middle, or lock it")
             }
             Self::Share(share) => write!(
                 f,
@@ -245,11 +241,10 @@ impl fmt::Display for Unfit {
             }
             Self::Reach { found, most, geometry } => {
                 let unit = Dimension::FORCE.unit(geometry);
+                let (found, most) = (Text(found), Text(most));
                 write!(
                     f,
-                    "the output reaches {:.3} {unit}: accepted from force_max, {:.3}; `device set force_max` to less first",
-                    Text(found),
-                    Text(most)
+                    "the output gives {found:.4} {unit}, force_max is {most}: `device set force_max` to less than it gives, and repeat"
                 )
             }
         }
@@ -479,7 +474,7 @@ impl Ramped {
         let geometry = device.geometry;
         let far = Ramp::far(device);
         if self.travel > 0.99 * far {
-            return Err(Unfit::NotHeld { travel: self.travel, most: far, geometry });
+            return Err(Unfit::NotHeld { most: far, geometry });
         }
         if self.seconds < 0.99 * Ramp::SECONDS {
             return Err(Unfit::Interrupted);

@@ -48,10 +48,9 @@ pub const HELP: &[HelpLine] = &[
     line("clear", "leaves the fault state; handle at rest, hands off"),
     line("selftest", "tests sensors, loop and amplifier; pushes the handle by a millimetre: hands off"),
     line(
-        "calibrate load|accel VALUE | save|discard|status",
-        "the true value now, N or m/s² (N·m, rad/s²); at least two values, then save",
+        "calibrate load|accel VALUE | save|discard|status|force",
+        "the true value now (SI); two or more, then save; force: hold the handle, 12 s",
     ),
-    line("calibrate force", "the force command against the load cell, while you hold the handle; 12 s"),
     line(
         "device [set NAME VALUE [NAME VALUE …] | reset]",
         "the device: stroke, resolution, signs, gains …; stored, in use at once, unreferenced then",
