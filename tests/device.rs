@@ -88,3 +88,39 @@ fn a_knob_homes_renders_and_identifies() {
     }
     assert!(found.contains("kg·m²") && found.contains("N·m"));
 }
+
+/// They were in newtons and metres, whatever the device.
+#[test]
+fn limits_and_refusals_of_a_knob_are_in_its_units() {
+    let mut bench = knob();
+    for (command, expected) in [
+        ("limit", "unexplained_force 0.0738"),
+        ("limit continuous_force 0.1", "ok limit continuous_force 0.1 N·m"),
+        ("limit heating 50", "ok limit heating 50 s"),
+        ("limit continuous_force 5", "; N·m; up to the actuator's force"),
+        ("set dv 1e9", "; rad/s; treated as zero below it"),
+        ("device set load_gain 1e9", "; N·m/V; either sign; "),
+        ("move sine 9 1", "; rad; 3 % inside the stroke"),
+    ] {
+        let said = bench.say(command);
+        println!("{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+#[test]
+fn the_load_cell_of_a_knob_calibrates_its_force() {
+    let mut bench = knob();
+    println!("{}", bench.say("sim device force_gain -0.157"));
+    bench.run(200);
+    bench.say("zero");
+    bench.say("sim hand at 0");
+    println!("{}", bench.say("calibrate force"));
+    let heard = bench.run(13_000);
+    let said = last(&heard);
+    println!("{said}");
+    assert!(said.starts_with("! calibrate; "), "{heard:?}");
+    let gain =
+        bench.device.device().command.unit_per_code / bench.device.device().sheet.command.unit_per_code;
+    assert!((gain / (0.157 / 0.15) - 1.0).abs() < 0.003, "{gain}");
+}

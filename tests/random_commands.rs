@@ -7,11 +7,12 @@ mod common;
 mod typist;
 
 use common::Bench;
+use emulator::random::Random;
 use haptics::{DEVICE_SETTINGS, Device, ModeId};
 use plant::RigConfig;
 use std::collections::BTreeMap;
 use tribos_firmware::board::simulated::{VirtualConfig, VirtualDevice};
-use typist::{Random, line};
+use typist::line;
 
 /// What a run must find again: the saved presets.
 type Shelf = BTreeMap<String, Vec<String>>;

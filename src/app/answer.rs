@@ -1,14 +1,14 @@
 //! Answers to requests that the control loop has handled, and the wording of single answers.
 
 use super::calibrate::{Fits, describe};
-use super::line::{Line, err};
+use super::line::{self, Line, err};
 use super::{FaultReport, Telemetry};
 use core::fmt::{self, Write};
 use friction::{Dimension, Geometry, Unit};
 use haptics::number::Text;
-use haptics::{Denied, Device, Excitation, FaultKind, Homed, Identified, ModeId, Settings, Warning};
+use haptics::{Denied, Device, Excitation, FaultKind, Homed, Identified, ModeId, Ramp, Settings, Warning};
 use heapless::String;
-use link::{Name, Sensor};
+use link::Name;
 
 /// Pending change and answer of a request to the control loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,8 @@ pub(super) enum Pending {
     Calibrated(Device, Fits),
     /// The push of the self-test, which has no answer of its own.
     Push,
+    /// `calibrate force`
+    Ramp,
     /// A new control rate: the device with its period.
     Rate(Device),
     /// `render`, with the largest force of an unreferenced device, N
@@ -75,10 +77,17 @@ impl Pending {
             }
             Self::Calibrated(device, fits) => {
                 out.write_str("calibrate")?;
-                describe(Sensor::Load, device, fits[0].as_ref(), out)?;
-                describe(Sensor::Accel, device, fits[1].as_ref(), out)
+                describe(device, fits, out)
             }
             Self::Push => Ok(()),
+            Self::Ramp => {
+                let (most, seconds) = (Text(Ramp::peak(device)), Text(Ramp::SECONDS));
+                write!(
+                    out,
+                    "ok calibrate force: up to {most:.2} {} both ways for {seconds:.0} s, hold the handle; the result follows",
+                    unit(Dimension::FORCE)
+                )
+            }
             Self::Rate(device) => write!(out, "ok rate {:.0} Hz", Text(1.0 / device.period)),
             Self::Render(true, Some(most)) => write!(
                 out,
@@ -193,10 +202,7 @@ pub(super) fn handle(t: &Telemetry, device: &Device, out: &mut Line) -> fmt::Res
 /// The result of a search for the stops in one line.
 #[inline(never)]
 pub(super) fn homed(homed: Homed, device: &Device, out: &mut Line) -> fmt::Result {
-    let (scale, unit) = match device.geometry {
-        Geometry::Linear => (1e3, "mm"),
-        Geometry::Rotary => (1.0, "rad"),
-    };
+    let (scale, unit) = line::travel(device.geometry);
     let millimetre = |metre: f32| Text(scale * metre);
     if let Homed::Middle { stroke } = homed {
         let stroke = millimetre(stroke);

@@ -9,7 +9,7 @@ use haptics::{Config, Denied, Device, FaultKind, Inputs, ModeId, Outputs, Reques
 pub struct Command {
     /// Code of no force.
     pub zero: f32,
-    /// The same and a half: what is cut off above it is rounded.
+    /// The same and a half: what is cut off above it is rounded. Here, because a step has no cycle to spare.
     pub to_round: f32,
     /// Newtons per code, negative if the amplifier is reversed.
     pub newton_per_code: f32,

@@ -4,7 +4,7 @@ mod presets;
 mod storing;
 
 use super::answer::{self, Named, Pending};
-use super::calibrate::{self, Calibration, describe};
+use super::calibrate::{self, Calibration, Fits, RampEnd, describe};
 use super::line::{self, Line};
 use super::listing::{self, Listing};
 use super::selftest::{Progress, SelfTest};
@@ -21,7 +21,7 @@ use haptics::{
 };
 use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, DeviceCommand, IDENTIFIED, LineEditor, MAX_LINE, Name,
-    OffDetector, PresetStore, Sensor, Watch,
+    OffDetector, PresetStore, Watch,
 };
 use storing::{Keeping, Saving, outcome};
 
@@ -59,6 +59,8 @@ pub struct Desk {
     listing: Option<(Listing, usize)>,
     selftest: Option<SelfTest>,
     calibration: Calibration,
+    /// End of a calibration of the force.
+    ramped: Option<RampEnd>,
     solver: Solver,
     stream: Option<Stream>,
     last: Option<Telemetry>,
@@ -102,6 +104,7 @@ impl Desk {
             listing: None,
             selftest: None,
             calibration: Calibration::default(),
+            ramped: None,
             solver: Solver::new(&device, &Procedure::of(&device)),
             stream: None,
             last: None,
@@ -226,6 +229,12 @@ impl Desk {
         while let Some(telemetry) = ends.telemetry.dequeue() {
             self.see(&telemetry);
         }
+        if self.pending.is_none()
+            && self.keeping.is_none()
+            && let Some(end) = self.ramped.take()
+        {
+            self.calibrate_force(end, board.now_ms(), ends);
+        }
         if let Some(kind) = self.alarm.take() {
             // the pin falls at once; the loop keeps it low and latches the fault
             board.off();
@@ -307,6 +316,9 @@ impl Desk {
         }
         let mut line = Line::new();
         if let Some(why) = denied {
+            if matches!(pending, Pending::Ramp) {
+                self.calibration.drop_ramp();
+            }
             answer::denied(*why, self.fault_kind(), &mut line);
         } else {
             // a long line is truncated
@@ -330,18 +342,18 @@ impl Desk {
                     if let Some(stream) = &mut self.stream {
                         stream.restart();
                     }
-                    self.keeping = Some(Keeping { answer: line, since: None });
+                    self.keeping = Some(Keeping { answer: line, unasked: false, since: None });
                     return;
                 }
                 Pending::Clear => {
                     self.fault = None;
                     self.cleared = true;
                 }
-                Pending::Calibrated(device, _) => {
+                Pending::Calibrated(device, fits) => {
                     self.calibrated(device);
                     self.calibration.discard();
                     // the answer says whether it is stored
-                    self.keeping = Some(Keeping { answer: line, since: None });
+                    self.keeping = Some(Keeping { answer: line, unasked: fits.is_of_force(), since: None });
                     return;
                 }
                 _ => {}
@@ -388,6 +400,7 @@ impl Desk {
         if let Some(last) = &self.last {
             self.unseen = self.unseen.saturating_add(telemetry.step.wrapping_sub(last.step).wrapping_sub(1));
             if self.selftest.is_none()
+                && !self.calibration.is_ramping()
                 // a search tells its own end
                 && matches!(last.outputs.mode, ModeId::Exciting | ModeId::Identifying)
                 && telemetry.outputs.mode == ModeId::Idle
@@ -416,6 +429,7 @@ impl Desk {
         if let Some(line) = self.calibration.take(telemetry, &self.device) {
             self.say(&line);
         }
+        self.ramped = self.ramped.take().or(self.calibration.take_ramp(telemetry, &self.device));
         let Some(test) = &mut self.selftest else { return };
         match test.take(telemetry, &self.device) {
             Progress::More => {}
@@ -442,8 +456,7 @@ impl Desk {
             Calibrate::Status => {
                 let mut line = Line::new();
                 let _ = line.write_str("ok calibrate status");
-                let _ = describe(Sensor::Load, &self.device, None, &mut line);
-                let _ = describe(Sensor::Accel, &self.device, None, &mut line);
+                let _ = describe(&self.device, &Fits::default(), &mut line);
                 self.say(&line);
             }
             Calibrate::Discard => {
@@ -454,6 +467,10 @@ impl Desk {
                 self.err("BUSY", "calibrate is accepted with the amplifier off: `stop` first")
             }
             Calibrate::Point(sensor, value) => self.calibration.begin(sensor, value),
+            Calibrate::Force => {
+                self.calibration.begin_ramp();
+                self.drive(Request::Ramp, Pending::Ramp, now, ends);
+            }
             Calibrate::Save => match self.calibration.fit(&self.device) {
                 Ok((device, fits)) => match self.settings.build(&device) {
                     Ok(config) => self.reconfigure(config, Pending::Calibrated(device, fits), now, ends),
@@ -462,6 +479,24 @@ impl Desk {
                 Err((sensor, unfit)) => self.err("CALIBRATION", format_args!("{}: {unfit}", sensor.id())),
             },
         }
+    }
+
+    /// Takes the calibration of the force into use.
+    fn calibrate_force(&mut self, end: RampEnd, now: u32, ends: &mut DeskEnds<'_>) {
+        let mut line = Line::new();
+        // a long line is truncated
+        let _ = match end {
+            Ok((device, fits)) => match self.settings.build(&device) {
+                Ok(config) => {
+                    return self.reconfigure(config, Pending::Calibrated(device, fits), now, ends);
+                }
+                Err(refused) => {
+                    write!(line, "! no calibration of the force: {}", refused.on(device.geometry))
+                }
+            },
+            Err(unfit) => write!(line, "! no calibration of the force: {unfit}"),
+        };
+        self.say(&line);
     }
 
     fn calibrated(&mut self, device: Device) {
@@ -478,11 +513,14 @@ impl Desk {
             return;
         };
         let Some(outcome) = outcome(since, board) else { return };
-        let Some(Keeping { answer, .. }) = self.keeping.take() else { return };
-        match outcome {
-            Ok(()) => self.ok(format_args!("{answer}; {}", board.lasting())),
-            Err(why) => self.ok(format_args!("warn: {answer}; until the device restarts: {why}")),
-        }
+        let Some(Keeping { answer, unasked, .. }) = self.keeping.take() else { return };
+        let mut line = Line::new();
+        let sign = if unasked { "!" } else { "ok" };
+        let _ = match outcome {
+            Ok(()) => write!(line, "{sign} {answer}; {}", board.lasting()),
+            Err(why) => write!(line, "{sign} warn: {answer}; until the device restarts: {why}"),
+        };
+        self.say(&line);
     }
 
     /// Sends lines of a long answer while there is room.
@@ -530,13 +568,7 @@ impl Desk {
         }
         match command {
             Command::Help => self.begin_list(format_args!("help"), Listing::Help, board),
-            Command::Version => self.ok(format_args!(
-                "tribos {} on {}, {:.0} Hz, {}",
-                env!("CARGO_PKG_VERSION"),
-                board.name(),
-                Text(1.0 / self.device.period),
-                board.clock()
-            )),
+            Command::Version => self.version(board),
             Command::Status => self.status(board),
             Command::Fault => self.tell_fault(board),
             Command::Get(None) => {
@@ -677,7 +709,8 @@ impl Desk {
         let mut limits = self.limits;
         for limit in Limits::ALL {
             let value = Text(*(limit.of)(&mut limits));
-            let _ = write!(line, "; {} {value} {}: {}", limit.name, limit.unit, limit.what);
+            let unit = limit.dimension.unit(self.device.geometry);
+            let _ = write!(line, "; {} {value} {unit}: {}", limit.name, limit.what);
         }
         let _ = write!(line, "; motor at {:.0} % of its heat", Text(100.0 * self.monitor.heat()));
         self.say(&line);
@@ -693,7 +726,8 @@ impl Desk {
         match limits.validate(&self.device) {
             Ok(()) => {
                 self.limits = limits;
-                self.ok(format_args!("limit {name} {} {}", Text(value), limit.unit));
+                let unit = limit.dimension.unit(self.device.geometry);
+                self.ok(format_args!("limit {name} {} {unit}", Text(value)));
             }
             Err(refused) => self.refused(&refused, self.device.geometry),
         }
@@ -782,8 +816,7 @@ impl Desk {
             return self
                 .err("BUSY", "the device is set at rest, with the amplifier off: `stop`, hands off, first");
         }
-        let fits = self.settings.validate(&device).is_ok();
-        let scaled = if fits { None } else { Settings::brass().scaled_to(&device) };
+        let scaled = self.stand_in(&device);
         match scaled.unwrap_or(self.settings).build(&device) {
             Ok(config) => {
                 let pending = Pending::Device { device, what, scaled };
@@ -791,6 +824,11 @@ impl Desk {
             }
             Err(refused) => self.refused(&refused, device.geometry),
         }
+    }
+
+    /// Brass at the scale of a device that cannot render the present settings.
+    fn stand_in(&self, device: &Device) -> Option<Settings> {
+        self.settings.validate(device).err().and_then(|_| Settings::brass().scaled_to(device))
     }
 
     /// The device is another one.
@@ -807,6 +845,17 @@ impl Desk {
         }
     }
 
+    fn version(&mut self, board: &impl Board) {
+        let mut line = Line::new();
+        let (version, rate) = (env!("CARGO_PKG_VERSION"), Text(1.0 / self.device.period));
+        // a long line is truncated
+        let _ = write!(line, "ok tribos {version} on {}, {rate:.0} Hz, {}", board.name(), board.clock());
+        if let Some(level) = board.weak_brown_out() {
+            let _ = write!(line, "; option byte BOR_LEV is {level}: 4 resets the chip below 2.8 V");
+        }
+        self.say(&line);
+    }
+
     fn status(&mut self, board: &impl Board) {
         let mut line = Line::new();
         let Some(t) = self.last else {
@@ -820,6 +869,9 @@ impl Desk {
         let _ = write!(line, ", step {step}, {late} late, {unseen} missed by the console");
         if board.clock_is_off() {
             let _ = line.write_str(", internal clock (1 %)");
+        }
+        if let Some(level) = board.weak_brown_out() {
+            let _ = write!(line, ", BOR_LEV {level} of 4");
         }
         if let Some(stream) = &self.stream {
             let _ = write!(line, ", stream on, {} frames dropped", stream.dropped());
@@ -854,6 +906,11 @@ impl Desk {
 fn switches_force_on(command: &Command<'_>) -> bool {
     matches!(
         command,
-        Command::Render(true) | Command::Move(_) | Command::Identify | Command::Home | Command::SelfTest
+        Command::Render(true)
+            | Command::Move(_)
+            | Command::Identify
+            | Command::Home
+            | Command::SelfTest
+            | Command::Calibrate(Calibrate::Force)
     )
 }

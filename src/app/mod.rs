@@ -86,8 +86,8 @@ pub struct Earlier {
 const TELEMETRY: usize = 32;
 /// Waiting requests.
 const REQUESTS: usize = 4;
-/// The configuration in use and its successor.
-const CONFIGS: usize = 3;
+/// The configuration in use and its successor, and a place that saves the step a remainder by three.
+const CONFIGS: usize = 4;
 /// Waiting answers, faults and numbers of an identification. In separate queues: a small item costs the interrupt a tenth of
 /// the largest one.
 const ANSWERS: usize = 4;

@@ -6,8 +6,7 @@ use heapless::Deque;
 const ROOM: usize = 2048;
 /// Bytes reserved for text, so that frames never displace messages.
 const FOR_TEXT: usize = 768;
-/// Largest number of bytes up to the last text at which a new command or line of a long answer starts. Below the size of the rest, so that
-/// a flood of commands delays its own answers and never costs a frame.
+/// Number of bytes up to the last text from which on new answers wait. Less than the frames' share: answers never cost a frame.
 const BACKLOG: usize = 512;
 
 /// Output buffer. Text waits for room; a frame without room is dropped and counted.

@@ -1,12 +1,11 @@
 //! The self-test: half a second at rest with the amplifier off, then a push of the handle by a millimetre, judged by encoder,
 //! accelerometer and load cell. Of signals that should agree in sign the odd one is wrong.
 
-use super::Telemetry;
+use super::{Telemetry, line};
 use core::fmt;
 use friction::{Dimension, Geometry};
 use haptics::number::Text;
 use haptics::{Channel, Device, ModeId};
-use link::Sensor;
 
 /// Control periods at rest.
 const PERIODS: u32 = 500;
@@ -161,11 +160,7 @@ impl fmt::Display for OnDevice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(check, geometry) = self;
         let n = Dimension::FORCE.unit(*geometry);
-        // a slide moves by millimetres
-        let (scale, way) = match geometry {
-            Geometry::Linear => (1e3, "mm"),
-            Geometry::Rotary => (1.0, "rad"),
-        };
+        let (scale, way) = line::travel(*geometry);
         f.write_str(if check.passed { "pass  " } else { "FAIL  " })?;
         let advice = match check.finding {
             Finding::Loop { unevenness_us } => {
@@ -192,7 +187,7 @@ impl fmt::Display for OnDevice {
             }
             Finding::Accelerometer { metre_per_second_squared, span, sign } => {
                 let a = Text(metre_per_second_squared);
-                let unit = Sensor::Accel.unit(*geometry);
+                let unit = Dimension::ACCELERATION.unit(*geometry);
                 write!(f, "accelerometer: {a:.2} {unit} at rest, noise over {span} codes")?;
                 sign.write("reads", f)?;
                 match sign {

@@ -31,6 +31,11 @@ pub trait Board {
         false
     }
 
+    /// Level of the brown-out reset, if it is lower than advised.
+    fn weak_brown_out(&self) -> Option<u8> {
+        None
+    }
+
     /// Disables the amplifier at once, ahead of the control loop, which keeps it off.
     fn off(&mut self) {}
 

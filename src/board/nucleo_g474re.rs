@@ -46,7 +46,8 @@
 //! it stops, the clock security system interrupts: force off, and a restart with the fault `clock`.
 //!
 //! **Brown-out.** When VDD falls below 2.9 V the voltage detector's interrupt drops the enable line within
-//! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR).
+//! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR), below 2.8 V with the option byte BOR_LEV = 4; `version`
+//! and `status` say if it is less.
 //!
 //! **Emergency stop.** Open for three periods: the enable line falls in the third, independent of the control step, and the fault
 //! is raised every other period while the switch is open, so that `clear` has no effect.
@@ -122,6 +123,9 @@ struct Loop {
     control: ControlLoop,
 }
 
+/// Option byte BOR_LEV that resets the chip below 2.8 V, before the core misreads anything [ds12288, "Embedded reset and power
+/// control block characteristics"].
+const BROWN_OUT_LEVEL: u8 = 4;
 /// Consecutive late forces that are a fault: the bounds on stiffness and damping hold for [`DELAY_S`], and a late force comes a
 /// period later.
 const LATE_STEPS: u32 = 3;
@@ -467,6 +471,10 @@ impl Board for Nucleo {
 
     fn clock_is_off(&self) -> bool {
         INTERNAL_CLOCK.load(Relaxed)
+    }
+
+    fn weak_brown_out(&self) -> Option<u8> {
+        Some(pac::FLASH.optr().read().bor_lev()).filter(|level| *level < BROWN_OUT_LEVEL)
     }
 
     fn late_steps(&self) -> u32 {

@@ -82,6 +82,7 @@ fn main() -> ExitCode {
             the_full_force_reaches_the_output_both_ways,
             power_up::every_reset_cause_boots_and_unexpected_ones_are_faults,
             power_up::the_first_power_up_of_the_readme_works,
+            power_up::a_low_brown_out_level_is_said,
             power_up::a_single_bank_of_flash_keeps_no_presets,
             random_inputs::target_and_host_agree_over_random_inputs_under_karnopp,
             random_inputs::target_and_host_agree_over_random_inputs_under_dahl,
@@ -99,6 +100,8 @@ fn main() -> ExitCode {
             selftest::selftest_names_each_wiring_error,
             selftest::two_weights_calibrate_the_load_cell,
             selftest::without_its_flash_a_calibration_warns,
+            selftest::the_load_cell_calibrates_the_force,
+            selftest::what_is_not_the_force_is_not_calibrated,
             velocity::an_edge_at_any_instruction_of_the_sampling_leaves_the_velocity,
             velocity::pulse_interval_velocity_is_ten_times_better_at_low_speed_and_never_stale,
         ]

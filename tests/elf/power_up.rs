@@ -109,3 +109,17 @@ pub fn a_single_bank_of_flash_keeps_no_presets() {
     assert_eq!(board.machine.flash_operations(), before, "nothing is erased or programmed");
     board.ok("render on");
 }
+
+pub fn a_low_brown_out_level_is_said() {
+    for (level, warned, resets) in [(0, true, false), (2, true, false), (4, false, true)] {
+        let mut machine = Machine::free_handle(image(), 1);
+        machine.set_brown_out_level(level);
+        let mut board = Board::of(machine);
+        let (version, status) = (board.ok("version"), board.ok("status"));
+        println!("{version}\n{status}");
+        assert_eq!(version.contains(&format!("BOR_LEV is {level}")), warned, "{version}");
+        assert_eq!(status.contains(&format!(", BOR_LEV {level} of 4")), warned, "{status}");
+        board.machine.set_supply(2_750);
+        assert_eq!(!board.machine.resets().is_empty(), resets, "level {level}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::board::{Board, image};
 use emulator::{Machine, ResetCause};
-use plant::{Bench, Wire, Wiring};
+use plant::{Bench, RigConfig, Wire, Wiring};
 
 /// Names of the checks that failed.
 fn failed(lines: &[String]) -> Vec<&str> {
@@ -84,4 +84,93 @@ pub fn without_its_flash_a_calibration_warns() {
         saved.starts_with("ok warn: calibrate") && saved.contains("until the device restarts: "),
         "{saved}"
     );
+}
+
+/// What a calibration of the force says at its end.
+fn calibrate_force(board: &mut Board) -> String {
+    println!("{}", board.ok("calibrate force"));
+    board.lines.clear();
+    for _ in 0..280 {
+        board.run(50.0);
+        if let Some(line) = board.lines.iter().find(|line| line.starts_with("! ")) {
+            return line.clone();
+        }
+    }
+    panic!("no result within 14 s: {:?}", board.lines);
+}
+
+/// A handle that somebody holds in the middle, with this friction of its guide, N.
+fn held(friction: f64, gain: f64, at_zero: f64) -> Board {
+    let free = RigConfig::free_handle();
+    let config = RigConfig { device_friction_p: friction, device_friction_n: friction, ..free };
+    let no_block = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+    let mut board = Board::of(Machine::boot(image(), config, no_block, 1).expect("a rig"));
+    board.machine.set_amplifier(gain, at_zero);
+    board.ok("zero");
+    board.machine.set_hand(|_: f64, x: f64, v: f64| -2_000.0 * x - 60.0 * v);
+    board
+}
+
+pub fn the_load_cell_calibrates_the_force() {
+    for (friction, gain, at_zero) in [(0.0, 1.0, 0.0), (0.0, 1.06, 0.15), (0.9, 1.06, -0.15)] {
+        let mut board = held(friction, gain, at_zero);
+        let said = calibrate_force(&mut board);
+        println!("friction {friction} N, gain {gain}, {at_zero} N at zero: {said}");
+        assert!(said.starts_with("! calibrate; ") && said.ends_with("; in flash"), "{said}");
+        assert!(!board.machine.amplifier_on());
+        // what the amplifier gives is what is asked for, after a reset, too
+        board.machine.reset_by(ResetCause::Pin);
+        board.run(60.0);
+        board.ok("zero");
+        assert!(board.ok("calibrate status").contains("; force: "), "the channel is listed");
+        board.ok("preset use rubber");
+        board.ok("set f_static 9");
+        board.ok("render on");
+        let mut worst = 0.0_f64;
+        for hand in [1.0, 4.0, 8.0, -1.0, -4.0, -8.0] {
+            board.machine.set_hand(move |_: f64, _: f64, v: f64| hand - 20.0 * v);
+            board.run(300.0);
+            let status = board.ok("status");
+            let told: f64 = status
+                .split(", force ")
+                .nth(1)
+                .and_then(|rest| rest.split(' ').next()?.parse().ok())
+                .unwrap_or(f64::NAN);
+            worst = worst.max((board.machine.force() - told).abs());
+        }
+        println!("    the force is off by {worst:.4} N at most");
+        assert!(worst < 0.03, "{worst} N");
+    }
+}
+
+pub fn what_is_not_the_force_is_not_calibrated() {
+    for (what, hand, gain, says) in [
+        ("released", 0.0, 1.0, "the handle moved: "),
+        ("an amplifier of half the gain", 2_000.0, 0.5, "the load cell shows 0.5"),
+        ("too little for force_max", 2_000.0, 0.9, "the output gives 8.69"),
+    ] {
+        let mut board = held(0.0, gain, 0.0);
+        let before = board.ok("calibrate status");
+        board
+            .machine
+            .set_hand(move |_: f64, x: f64, v: f64| if hand > 0.0 { -hand * x - 60.0 * v } else { 0.0 });
+        let said = calibrate_force(&mut board);
+        println!("{what}: {said}");
+        assert!(said.starts_with("! no calibration of the force: ") && said.contains(says), "{said}");
+        assert_eq!(board.ok("calibrate status"), before);
+        assert!(!board.machine.amplifier_on());
+    }
+    let mut board = held(0.0, 1.0, 0.0);
+    board.ok("calibrate force");
+    board.run(3_000.0);
+    assert!(board.machine.force() > 1.0);
+    assert!(board.ask("calibrate force")[0].starts_with("err BUSY: "));
+    board.ok("off");
+    assert!(!board.machine.amplifier_on());
+    board.run(20.0);
+    assert!(board.lines.iter().any(|line| line.ends_with("of the force: interrupted")), "{:?}", board.lines);
+    // unreferenced
+    let mut board = Board::boot();
+    let refused = board.ask("calibrate force").swap_remove(0);
+    assert!(refused.starts_with("err UNREFERENCED: "), "{refused}");
 }

@@ -264,7 +264,7 @@ mod tests {
                         assert!(radius < STABLE, "{}: spectral radius {radius}, {point:?}", renderer.id());
                     }
                     Err(refused) => {
-                        refused_for_it += u32::from(refused.why.contains("swing against each other"))
+                        refused_for_it += u32::from(refused.why.words.contains("swing against each other"))
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! The preset next to one that must not run, or will not feel as asked: each parameter at its bound, one after the
 //! other, in the order in which the device would refuse them.
 
-use haptics::{Accepted, Device, Settings};
+use haptics::{Accepted, Device, Reason, Settings};
 
 /// A parameter that had to move.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Change {
     /// Must not run as it was; otherwise it is only unfaithful.
     pub unsafe_before: bool,
     /// Why it had to move.
-    pub why: &'static str,
+    pub why: Reason,
 }
 
 /// More than a preset has parameters: each is moved once or twice.

@@ -3,7 +3,7 @@
 //! A negative `resolution` or gain is a signal that is reversed. Every range depends on other settings, so that a device is set
 //! as a whole: [`Device::set`] one by one, then [`Device::check`].
 
-use crate::{Accepted, Device, Refused, SetError, number, settings::SetWhy};
+use crate::{Accepted, Channel, Device, Reason, Refused, SetError, number, settings::SetWhy};
 use friction::{Dimension, Geometry, Unit};
 
 /// Reference voltage of both converters, V.
@@ -150,8 +150,16 @@ impl Device {
         Ok(())
     }
 
+    /// Largest force that the output gives both ways with its calibration, N.
+    #[must_use]
+    pub fn reach(&self) -> f32 {
+        let Channel { offset_code, unit_per_code } = self.command;
+        let (low, high) = ((HALF - OUTPUT) * (DAC_CODES / SUPPLY), (HALF + OUTPUT) * (DAC_CODES / SUPPLY));
+        unit_per_code.abs() * (offset_code - low).min(high - offset_code)
+    }
+
     /// Accepted magnitudes of a setting with the others as they are, and what bounds them.
-    fn range(&self, name: &str) -> Option<(f32, f32, &'static str)> {
+    fn range(&self, name: &str) -> Option<(f32, f32, Reason)> {
         let d = self;
         let force_gain = d.sheet.command.unit_per_code.abs() * (DAC_CODES / SUPPLY);
         let load_gain = d.sheet.load.unit_per_code.abs() * (ADC_CODES / SUPPLY);
@@ -159,42 +167,67 @@ impl Device {
             "stroke" => (
                 (COUNTS.0 * d.metre_per_count).max(d.overspeed / STROKES.1),
                 (COUNTS.1 * d.metre_per_count).min(d.overspeed / STROKES.0),
-                "m; 1000 counts to 1e7, crossed in 4 ms to 10 s at the overspeed",
+                Reason::of(Dimension::LENGTH, "1000 counts to 1e7, crossed in 4 ms to 10 s at the overspeed"),
             ),
             "resolution" => (
                 (d.stroke / COUNTS.1).max(d.overspeed / COUNT_RATE),
                 d.stroke / COUNTS.0,
-                "m; either sign; 1000 counts to 1e7 in the stroke, 1e6 a second at the overspeed",
+                Reason::of(
+                    Dimension::LENGTH,
+                    "either sign; 1000 counts to 1e7 in the stroke, 1e6 a second at the overspeed",
+                ),
             ),
             "mass" => (
                 (d.force_max * START_S.0 / d.overspeed).max(d.damping * DECAY_S.0),
                 (d.force_max * START_S.1 / d.overspeed).min(d.damping * DECAY_S.1),
-                "kg; the largest force reaches the overspeed in 10 ms to 10 s, m/b is 2 ms to 1000 s",
+                Reason::of(
+                    Dimension::MASS,
+                    "the largest force reaches the overspeed in 10 ms to 10 s, m/b is 2 ms to 1000 s",
+                ),
             ),
-            "damping" => (d.mass / DECAY_S.1, d.mass / DECAY_S.0, "N·s/m; m/b is 2 ms to 1000 s"),
+            "damping" => (
+                d.mass / DECAY_S.1,
+                d.mass / DECAY_S.0,
+                Reason::of(Dimension::DAMPING, "m/b is 2 ms to 1000 s"),
+            ),
             "overspeed" => (
                 (STROKES.0 * d.stroke).max(d.force_max * START_S.0 / d.mass),
                 (STROKES.1 * d.stroke)
                     .min(COUNT_RATE * d.metre_per_count)
                     .min(d.force_max * START_S.1 / d.mass),
-                "m/s; 0.1 to 250 strokes and at most 1e6 counts a second, reached in 10 ms to 10 s",
+                Reason::of(
+                    Dimension::VELOCITY,
+                    "0.1 to 250 strokes and at most 1e6 counts a second, reached in 10 ms to 10 s",
+                ),
             ),
             "force_max" => (
                 (d.mass * d.overspeed / START_S.1).max(USED * OUTPUT * force_gain),
-                (d.mass * d.overspeed / START_S.0).min(OUTPUT * force_gain).min(HALF * load_gain),
-                "N; within the range of output and load cell, reaches the overspeed in 10 ms to 10 s",
+                (d.mass * d.overspeed / START_S.0).min(d.reach()).min(HALF * load_gain),
+                Reason::of(
+                    Dimension::FORCE,
+                    "within the range of output and load cell, reaches the overspeed in 10 ms to 10 s",
+                ),
             ),
             "force_gain" => (
                 d.force_max / OUTPUT,
                 d.force_max / (USED * OUTPUT),
-                "N/V; either sign; 1.45 V reach force_max",
+                Reason::per_volt(Dimension::FORCE, "either sign; 1.45 V reach force_max"),
             ),
-            "load_gain" => {
-                (d.force_max / HALF, 1e3 * d.force_max, "N/V; either sign; 1.65 V reach force_max")
-            }
+            "load_gain" => (
+                d.force_max / HALF,
+                1e3 * d.force_max,
+                Reason::per_volt(Dimension::FORCE, "either sign; 1.65 V reach force_max"),
+            ),
             "accel_gain" => {
                 let most = d.force_max / d.mass;
-                (most / HALF, 1e4 * most, "m/s2/V; either sign; 1.65 V reach what force_max gives the mass")
+                (
+                    most / HALF,
+                    1e4 * most,
+                    Reason::per_volt(
+                        Dimension::ACCELERATION,
+                        "either sign; 1.65 V reach what force_max gives the mass",
+                    ),
+                )
             }
             _ => return None,
         })

@@ -1,6 +1,7 @@
 //! Excitation for identification [thesis, ch. 3.5.2], as it is requested: shape, amplitude, frequency, length.
 
-use crate::{Accepted, Device, Refused, Wave};
+use crate::{Accepted, Device, Reason, Refused, Wave};
+use friction::Dimension;
 
 /// Length of the ramp at the start, s.
 pub const RAMP_IN_S: f32 = 1.0;
@@ -46,11 +47,19 @@ impl Excitation {
         let half = 0.5 * device.stroke - device.length(STOPS);
         if !(self.amplitude_m > 0.0 && self.amplitude_m <= half) {
             let accepted = Accepted::Between(device.metre_per_count, half);
-            return refuse("amplitude", self.amplitude_m, accepted, "m; 3 % inside the stroke");
+            return refuse(
+                "amplitude",
+                self.amplitude_m,
+                accepted,
+                Reason::of(Dimension::LENGTH, "3 % inside the stroke"),
+            );
         }
         if !(self.frequency_hz >= SLOWEST_HZ && self.is_slow_enough(device)) {
             let fastest = self.fastest(device);
-            let why = "Hz; the actuator's force and the device's speed at this amplitude end there";
+            let why = Reason::of(
+                Dimension::FREQUENCY,
+                "the actuator's force and the device's speed at this amplitude end there",
+            );
             return refuse("frequency", self.frequency_hz, Accepted::Between(SLOWEST_HZ, fastest), why);
         }
         if !(self.seconds >= 0.0 && self.seconds <= LONGEST_S) {
@@ -58,7 +67,7 @@ impl Excitation {
                 "seconds",
                 self.seconds,
                 Accepted::Between(0.0, LONGEST_S),
-                "s; 0 runs until stopped",
+                Reason::of(Dimension::TIME, "0 runs until stopped"),
             );
         }
         Ok(())

@@ -50,6 +50,8 @@ pub enum Request {
     Identify(Procedure),
     /// The push of the self-test.
     Probe,
+    /// The ramp of the calibration of the force.
+    Ramp,
     /// The handle is in the middle of its stroke.
     Zero,
     /// Searches both stops, and the middle between them.
@@ -91,7 +93,7 @@ pub enum Mode {
         /// Whether sums are accumulated.
         identifying: bool,
     },
-    /// The handle is pushed for the self-test.
+    /// The handle is pushed for the self-test, or for the calibration of the force.
     Probing(Probe),
     /// The handle searches the stops.
     Homing(Homing),

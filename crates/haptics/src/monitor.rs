@@ -23,7 +23,8 @@
 //! **Heat.** I²t from the command: the square of the force, as a share of that of [`Limits::continuous_force`], through the
 //! thermal time constant of the motor.
 
-use crate::{Accepted, Device, FaultKind, Inputs, ModeId, Outputs, Refused, number};
+use crate::{Accepted, Device, FaultKind, Inputs, ModeId, Outputs, Reason, Refused, number};
+use friction::Dimension;
 
 /// Time constant of the balance, s.
 const BALANCE_S: f32 = 0.01;
@@ -67,8 +68,8 @@ pub struct Limits {
 pub struct Limit {
     /// Name as typed.
     pub name: &'static str,
-    /// Unit of the value.
-    pub unit: &'static str,
+    /// Dimension of the value.
+    pub dimension: Dimension,
     /// Meaning in a few words.
     pub what: &'static str,
     /// Place of the value.
@@ -80,19 +81,19 @@ impl Limits {
     pub const ALL: &'static [Limit; 3] = &[
         Limit {
             name: "unexplained_force",
-            unit: "N",
+            dimension: Dimension::FORCE,
             what: "largest force that load cell and motion leave unexplained",
             of: |limits| &mut limits.unexplained_force,
         },
         Limit {
             name: "continuous_force",
-            unit: "N",
+            dimension: Dimension::FORCE,
             what: "force that the motor holds for ever",
             of: |limits| &mut limits.continuous_force,
         },
         Limit {
             name: "heating",
-            unit: "s",
+            dimension: Dimension::TIME,
             what: "thermal time constant of the motor",
             of: |limits| &mut limits.heating_s,
         },
@@ -107,12 +108,12 @@ impl Limits {
         // against the rounding of a product
         let at_least = |x: f32| number::four_digits(x * (1.0 - 1e-6), true);
         let ranges = [
-            (at_least(0.1 * most), most, "N; above the friction of the device, below the actuator's force"),
-            (at_least(0.05 * most), most, "N; up to the actuator's force"),
-            (1.0, 3_600.0, "s"),
+            (at_least(0.1 * most), most, "above the friction of the device, below the actuator's force"),
+            (at_least(0.05 * most), most, "up to the actuator's force"),
+            (1.0, 3_600.0, ""),
         ];
         let mut limits = *self;
-        for (limit, (low, high, why)) in Self::ALL.iter().zip(ranges) {
+        for (limit, (low, high, words)) in Self::ALL.iter().zip(ranges) {
             let value = *(limit.of)(&mut limits);
             if !(value >= low && value <= high) {
                 return Err(Refused {
@@ -120,15 +121,13 @@ impl Limits {
                     parameter: limit.name,
                     value,
                     accepted: Accepted::Between(low, high),
-                    why,
+                    why: Reason::of(limit.dimension, words),
                 });
             }
         }
         Ok(())
     }
-}
 
-impl Limits {
     /// Those of a device: the same shares of its largest force.
     #[must_use]
     pub fn of(device: &Device) -> Self {

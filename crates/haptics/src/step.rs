@@ -12,7 +12,7 @@ use crate::renderer::{Contact, Handle, Rendered};
 use crate::safety::{self, Guard};
 use crate::silence::Bounds;
 use crate::streaming_identify::{Procedure, Recorder};
-use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs, Probe};
+use crate::{Config, Denied, Device, FaultKind, Inputs, Outputs, Probe, Ramp};
 
 /// State of the loop between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -228,7 +228,8 @@ impl State {
         let device = &config.device;
         let faulty = matches!(self.mode, Mode::Fault(_));
         let running = matches!(self.mode, Mode::Exciting { .. } | Mode::Probing(_) | Mode::Homing(_));
-        let drives = matches!(request, Request::Probe | Request::Excite(_) | Request::Identify(_));
+        let drives =
+            matches!(request, Request::Probe | Request::Ramp | Request::Excite(_) | Request::Identify(_));
         // a hand may lean on a stop; what the checks would trip on is denied
         let room = if drives { 0.0 } else { config.held };
         match request {
@@ -293,7 +294,17 @@ impl State {
                 if !(handle.position.abs() <= 0.5 * device.stroke - Probe::room(device)) {
                     return Err(Denied::NoRoom);
                 }
-                self.mode = Mode::Probing(Probe::start(inputs.count));
+                self.mode = Mode::Probing(Probe::push(inputs.count));
+                Ok(())
+            }
+            Request::Ramp => {
+                if !(handle.position.abs() <= 0.5 * device.stroke - Ramp::far(device)) {
+                    return Err(Denied::NoRoom);
+                }
+                if !self.rests(config, handle) {
+                    return Err(Denied::Moving);
+                }
+                self.mode = Mode::Probing(Probe::ramp(inputs.count));
                 Ok(())
             }
             Request::Render(true) => {

@@ -25,6 +25,58 @@ impl fmt::Display for Accepted {
     }
 }
 
+/// Reason of a verdict, with the dimension of its numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reason {
+    /// Dimension of the value and of the accepted values, if they have one.
+    pub dimension: Option<Dimension>,
+    /// Whether these are per volt at the pin.
+    pub per_volt: bool,
+    /// In a few words. Empty if the accepted values say all.
+    pub words: &'static str,
+}
+
+impl Reason {
+    /// Numbers with a dimension.
+    pub(crate) const fn of(dimension: Dimension, words: &'static str) -> Self {
+        Self { dimension: Some(dimension), per_volt: false, words }
+    }
+
+    /// Numbers per volt.
+    pub(crate) const fn per_volt(dimension: Dimension, words: &'static str) -> Self {
+        Self { per_volt: true, ..Self::of(dimension, words) }
+    }
+
+    /// Numbers whose unit goes without saying.
+    pub(crate) const fn plain(words: &'static str) -> Self {
+        Self { dimension: None, per_volt: false, words }
+    }
+
+    /// The same with the unit of this geometry.
+    #[must_use]
+    pub const fn on(&self, geometry: Geometry) -> On<'_, Self> {
+        On(self, geometry)
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.on(Geometry::Linear).fmt(f)
+    }
+}
+
+impl fmt::Display for On<'_, Reason> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(Reason { dimension, per_volt, words }, geometry) = self;
+        if let Some(dimension) = dimension {
+            let volt = if *per_volt { "/V" } else { "" };
+            let stop = if words.is_empty() { "" } else { "; " };
+            write!(f, "{}{volt}{stop}", dimension.unit(*geometry))?;
+        }
+        f.write_str(words)
+    }
+}
+
 /// A refused set of parameters. Prints one line with the parameter, its value and the accepted values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refused {
@@ -36,8 +88,8 @@ pub struct Refused {
     pub value: f32,
     /// Accepted values, with all other parameters unchanged.
     pub accepted: Accepted,
-    /// Reason in a few words.
-    pub why: &'static str,
+    /// Reason.
+    pub why: Reason,
 }
 
 impl Refused {
@@ -60,37 +112,13 @@ impl fmt::Display for On<'_, Refused> {
         if let Some(effect) = effect {
             write!(f, "{effect}.")?;
         }
-        write!(f, "{parameter} = {}: {accepted}; ", Text(*value))?;
-        reason(why, *geometry, f)
+        write!(f, "{parameter} = {}: {accepted}; {}", Text(*value), why.on(*geometry))
     }
 }
 
 /// A verdict in the units of a device.
 #[derive(Debug, Clone, Copy)]
 pub struct On<'a, T>(&'a T, Geometry);
-
-/// Units that a reason begins with.
-const UNITS: &[(&str, Dimension)] = &[
-    ("N", Dimension::FORCE),
-    ("m", Dimension::LENGTH),
-    ("m/s", Dimension::VELOCITY),
-    ("m/s2", Dimension::ACCELERATION),
-    ("kg", Dimension::MASS),
-    ("N/m", Dimension::STIFFNESS),
-    ("N·s/m", Dimension::DAMPING),
-];
-
-/// A reason with the unit it begins with, if any, as that of this geometry.
-fn reason(why: &str, geometry: Geometry, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    // by bytes: a search for a character takes 2 kB of flash
-    let at = why.bytes().position(|byte| byte == b';').unwrap_or(why.len());
-    let (unit, rest) = why.split_at_checked(at).unwrap_or((why, ""));
-    let (bare, per_volt) = unit.strip_suffix("/V").map_or((unit, ""), |bare| (bare, "/V"));
-    match UNITS.iter().find(|(text, _)| *text == bare && geometry == Geometry::Rotary) {
-        Some((_, dimension)) => write!(f, "{}{per_volt}{rest}", dimension.unit(geometry)),
-        None => f.write_str(why),
-    }
-}
 
 impl core::error::Error for Refused {}
 
@@ -103,8 +131,8 @@ pub struct Warning {
     pub value: f32,
     /// Faithful values, with all other parameters unchanged.
     pub faithful: Accepted,
-    /// Reason in a few words.
-    pub why: &'static str,
+    /// Reason.
+    pub why: Reason,
 }
 
 impl Warning {
@@ -128,7 +156,6 @@ impl fmt::Display for On<'_, Warning> {
             Accepted::AtMost(high) => ("up to", high),
             Accepted::AtLeast(low) | Accepted::Between(low, _) => ("from", low),
         };
-        write!(f, "{parameter} = {}: faithful {word} {}; ", Text(*value), Text(*bound))?;
-        reason(why, *geometry, f)
+        write!(f, "{parameter} = {}: faithful {word} {}; {}", Text(*value), Text(*bound), why.on(*geometry))
     }
 }

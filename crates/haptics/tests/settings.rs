@@ -255,7 +255,7 @@ fn a_pattern_is_no_steeper_than_the_contact_is_stable_with() {
         let settings = with(RendererKind::StoppingForce, "2", wavelength);
         let warning = settings.validate(&device).expect("safe").expect("unfaithful");
         println!("{rate} Hz: ok warn: {warning}");
-        assert!(warning.parameter == "wavelength" && warning.why.contains(why));
+        assert!(warning.parameter == "wavelength" && warning.why.words.contains(why));
     }
     let Some(warning) = with(RendererKind::StoppingForce, "2", "1e-3").validate(&device).expect("safe")
     else {

@@ -1,7 +1,7 @@
 //! Parser of command lines.
 
 use core::fmt;
-use friction::Geometry;
+use friction::Dimension;
 use haptics::{Excitation, Wave};
 
 /// A command to the device.
@@ -87,14 +87,12 @@ impl Sensor {
         }
     }
 
-    /// Unit of the values.
+    /// Dimension of the values.
     #[must_use]
-    pub const fn unit(self, geometry: Geometry) -> &'static str {
-        match (self, geometry) {
-            (Self::Load, Geometry::Linear) => "N",
-            (Self::Load, Geometry::Rotary) => "N·m",
-            (Self::Accel, Geometry::Linear) => "m/s2",
-            (Self::Accel, Geometry::Rotary) => "rad/s2",
+    pub const fn dimension(self) -> Dimension {
+        match self {
+            Self::Load => Dimension::FORCE,
+            Self::Accel => Dimension::ACCELERATION,
         }
     }
 }
@@ -104,6 +102,8 @@ impl Sensor {
 pub enum Calibrate {
     /// `calibrate load|accel VALUE`: the true value of the sensor now.
     Point(Sensor, f32),
+    /// `calibrate force`: the force command against the load cell.
+    Force,
     /// `calibrate save`
     Save,
     /// `calibrate discard`
@@ -304,12 +304,13 @@ fn calibrate<'a>(words: &mut Words<'a>) -> Result<Calibrate, BadCommand<'a>> {
     let sensor = match words.next()? {
         "load" => Sensor::Load,
         "accel" => Sensor::Accel,
+        "force" => return Ok(Calibrate::Force),
         "save" => return Ok(Calibrate::Save),
         "discard" => return Ok(Calibrate::Discard),
         "status" => return Ok(Calibrate::Status),
-        word => return Err(BadCommand::NotOneOf(word, "load, accel, save, discard, status")),
+        word => return Err(BadCommand::NotOneOf(word, "load, accel, force, save, discard, status")),
     };
-    let value = finite("VALUE", words.next()?, "a finite number of N or m/s2")?;
+    let value = finite("VALUE", words.next()?, "a finite number of N or m/s²")?;
     Ok(Calibrate::Point(sensor, value))
 }
 
@@ -397,6 +398,7 @@ mod tests {
             ("selftest", Command::SelfTest),
             ("calibrate load 4.905", Command::Calibrate(Calibrate::Point(Sensor::Load, 4.905))),
             ("calibrate save", Command::Calibrate(Calibrate::Save)),
+            ("calibrate force", Command::Calibrate(Calibrate::Force)),
             ("device", Command::Device(DeviceCommand::Show)),
             ("device reset", Command::Device(DeviceCommand::Reset)),
             (

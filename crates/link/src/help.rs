@@ -48,8 +48,8 @@ pub const HELP: &[HelpLine] = &[
     line("clear", "leaves the fault state; handle at rest, hands off"),
     line("selftest", "tests sensors, loop and amplifier; pushes the handle by a millimetre: hands off"),
     line(
-        "calibrate load|accel VALUE | save|discard|status",
-        "the true value now, N or m/s2; at least two values, then save",
+        "calibrate load|accel VALUE | save|discard|status|force",
+        "the true value now (SI); two or more, then save; force: hold the handle, 12 s",
     ),
     line(
         "device [set NAME VALUE [NAME VALUE …] | reset]",

@@ -6,7 +6,6 @@ use crate::app::{DeskEnds, calibrate};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
-use haptics::Settings;
 use link::{CALIBRATION_KEY, Change, MAX_ITEM, Name, PresetCommand, PresetError};
 
 impl Desk {
@@ -36,9 +35,7 @@ impl Desk {
             self.preset = Name::try_from(name).unwrap_or_default();
             self.settings = settings;
         }
-        if self.settings.validate(&self.device).is_err()
-            && let Some(scaled) = Settings::brass().scaled_to(&self.device)
-        {
+        if let Some(scaled) = self.stand_in(&self.device) {
             (self.settings, self.changed) = (scaled, true);
         }
     }

@@ -30,6 +30,8 @@ pub(super) enum Done {
 /// A calibration that is in use and being stored.
 pub(super) struct Keeping {
     pub answer: Line,
+    /// It is a message, to no command.
+    pub unasked: bool,
     /// Time at which the board got it, ms.
     pub since: Option<u32>,
 }

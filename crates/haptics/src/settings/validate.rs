@@ -2,7 +2,7 @@
 //! with a warning.
 
 use super::{LawKind, PASSIVITY_CYCLES, RendererKind, Settings, effect_cycles};
-use crate::{Accepted, Device, Refused, Warning, bounds, number};
+use crate::{Accepted, Device, Reason, Refused, Warning, bounds, number};
 use friction::effects::{Effect, EffectKind, EffectState, Scale};
 use friction::{Dimension, Motion};
 
@@ -37,18 +37,12 @@ fn at_least(x: f32) -> f32 {
     if x > 0.0 && x.is_finite() { number::four_digits(x * (1.0 - ROUNDING), true) } else { 0.0 }
 }
 
-fn refuse(parameter: &'static str, value: f32, accepted: Accepted, why: &'static str) -> Result<(), Refused> {
+fn refuse(parameter: &'static str, value: f32, accepted: Accepted, why: Reason) -> Result<(), Refused> {
     Err(Refused { effect: None, parameter, value, accepted, why })
 }
 
 /// Refuses unless `low ≤ value ≤ high`. NaN is refused.
-fn within(
-    parameter: &'static str,
-    value: f32,
-    low: f32,
-    high: f32,
-    why: &'static str,
-) -> Result<(), Refused> {
+fn within(parameter: &'static str, value: f32, low: f32, high: f32, why: Reason) -> Result<(), Refused> {
     if value >= low && value <= high {
         Ok(())
     } else {
@@ -78,7 +72,13 @@ impl Settings {
     /// coupling outside its stability bounds.
     pub fn validate(&self, device: &Device) -> Result<Option<Warning>, Refused> {
         self.levels(device)?;
-        within("dv", self.dv, SLOWEST, device.overspeed, "m/s; treated as zero below it")?;
+        within(
+            "dv",
+            self.dv,
+            SLOWEST,
+            device.overspeed,
+            Reason::of(Dimension::VELOCITY, "treated as zero below it"),
+        )?;
         self.coupling(device)?;
         // the mass first: an error for a typed mass must name the mass
         self.block(device)?;
@@ -91,10 +91,10 @@ impl Settings {
 
     fn levels(&self, device: &Device) -> Result<(), Refused> {
         let most = device.force_max;
-        let why = "N; limit of the actuator";
+        let why = Reason::of(Dimension::FORCE, "limit of the actuator");
         within("f_dynamic_p", self.f_dynamic_p, 0.0, most, why)?;
         within("f_dynamic_n", self.f_dynamic_n, 0.0, most, why)?;
-        let static_why = "N; from dynamic friction to the limit of the actuator";
+        let static_why = Reason::of(Dimension::FORCE, "from dynamic friction to the limit of the actuator");
         // Dahl does not use its static friction, but a switch of law must find a valid number
         let dahl = self.law == LawKind::Dahl;
         let low = |dynamic: f32| if dahl { 0.0 } else { dynamic };
@@ -121,7 +121,10 @@ impl Settings {
                 cap.min(self.room(device, self.bristle_stiffness()))
             }
         };
-        let why = "N·s/m; below, it would add energy at the largest speed; above, one period overshoots";
+        let why = Reason::of(
+            Dimension::DAMPING,
+            "below, it would add energy at the largest speed; above, one period overshoots",
+        );
         for (name, value, dynamic) in
             [("damping_p", self.damping_p, self.f_dynamic_p), ("damping_n", self.damping_n, self.f_dynamic_n)]
         {
@@ -141,11 +144,31 @@ impl Settings {
         };
         match self.law {
             LawKind::Karnopp | LawKind::Coulomb => Ok(()),
-            LawKind::Dahl => one("damping_n", self.damping_n, self.damping_p, "N·s/m; dahl has one damping"),
+            LawKind::Dahl => one(
+                "damping_n",
+                self.damping_n,
+                self.damping_p,
+                Reason::of(Dimension::DAMPING, "dahl has one damping"),
+            ),
             LawKind::LuGre => {
-                one("f_static_n", self.f_static_n, self.f_static_p, "N; lugre has one static friction")?;
-                one("f_dynamic_n", self.f_dynamic_n, self.f_dynamic_p, "N; lugre has one dynamic friction")?;
-                one("damping_n", self.damping_n, self.damping_p, "N·s/m; lugre has one damping")
+                one(
+                    "f_static_n",
+                    self.f_static_n,
+                    self.f_static_p,
+                    Reason::of(Dimension::FORCE, "lugre has one static friction"),
+                )?;
+                one(
+                    "f_dynamic_n",
+                    self.f_dynamic_n,
+                    self.f_dynamic_p,
+                    Reason::of(Dimension::FORCE, "lugre has one dynamic friction"),
+                )?;
+                one(
+                    "damping_n",
+                    self.damping_n,
+                    self.damping_p,
+                    Reason::of(Dimension::DAMPING, "lugre has one damping"),
+                )
             }
         }
     }
@@ -153,7 +176,13 @@ impl Settings {
     /// Checks the handle held by spring and damper: [thesis, eq. 4.18] extended by B.
     fn coupling(&self, device: &Device) -> Result<(), Refused> {
         let most = at_most(Self::damping_cap(device));
-        within("b_vc", self.b_vc, 0.0, most, "N·s/m; above, the handle oscillates with a period of delay")?;
+        within(
+            "b_vc",
+            self.b_vc,
+            0.0,
+            most,
+            Reason::of(Dimension::DAMPING, "above, the handle oscillates with a period of delay"),
+        )?;
         let most = at_most(Self::stiffness_cap(device, self.b_vc));
         if self.k_vc > most && (device.inertia(LIGHTEST)..=device.inertia(HEAVIEST)).contains(&self.mass) {
             // the number in the message must be accepted
@@ -164,7 +193,7 @@ impl Settings {
             self.k_vc,
             device.stiffness(1.0),
             most,
-            "N/m; above, the stuck handle oscillates (eq. 4.18)",
+            Reason::of(Dimension::STIFFNESS, "above, the stuck handle oscillates (eq. 4.18)"),
         )
     }
 
@@ -203,7 +232,13 @@ impl Settings {
     }
 
     fn bristles(&self, device: &Device) -> Result<(), Refused> {
-        within("stribeck_velocity", self.stribeck_velocity, SLOWEST, device.overspeed, "m/s")?;
+        within(
+            "stribeck_velocity",
+            self.stribeck_velocity,
+            SLOWEST,
+            device.overspeed,
+            Reason::of(Dimension::VELOCITY, ""),
+        )?;
         let period = device.period;
         // laws without bristles do not use these, but a switch of law must find valid numbers
         let (mut sigma_most, mut sigma_1_most) = (1e9, 1e6);
@@ -219,9 +254,12 @@ impl Settings {
                 }
             };
         }
-        let why = "N·s/m; above, the contact oscillates";
+        let why = Reason::of(Dimension::DAMPING, "above, the contact oscillates");
         within("sigma_1", self.sigma_1, 0.0, sigma_1_most, why)?;
-        let why = "N/m; above, the contact oscillates on its bristles (eq. 4.18, 4.35)";
+        let why = Reason::of(
+            Dimension::STIFFNESS,
+            "above, the contact oscillates on its bristles (eq. 4.18, 4.35)",
+        );
         within("sigma", self.sigma, device.stiffness(1.0), sigma_most, why)
     }
 
@@ -235,7 +273,7 @@ impl Settings {
     /// Checks the mass and, with the virtual coupling, the block between handle and surface: KT² + 2BT < 4M, the singularity of
     /// [thesis, eq. 4.35]. Bristles that are unstable with a block of 1 kg are refused by their own check.
     fn block(&self, device: &Device) -> Result<(), Refused> {
-        let why = "kg; a lighter block oscillates on its coupling (eq. 4.35)";
+        let why = Reason::of(Dimension::MASS, "a lighter block oscillates on its coupling (eq. 4.35)");
         let (mut lightest, heaviest) = (device.inertia(LIGHTEST), device.inertia(HEAVIEST));
         if self.renderer.has_block() {
             let period = device.period;
@@ -272,7 +310,8 @@ impl Settings {
             return Ok(());
         }
         let most = at_most(pair.stiffness_max(self.b_vc, asked) / HEAVIER);
-        let why = "N/m; above, handle and sliding block swing against each other";
+        let why =
+            Reason::of(Dimension::STIFFNESS, "above, handle and sliding block swing against each other");
         within("k_vc", self.k_vc, device.stiffness(1.0), most, why)
     }
 
@@ -284,7 +323,7 @@ impl Settings {
                 parameter: invalid.parameter,
                 value: invalid.value as f32,
                 accepted: Accepted::Between(invalid.min as f32, invalid.max as f32),
-                why: "outside its range",
+                why: Reason::plain("outside its range"),
             })?;
             self.check_stiffness(effect.kind, &effect.gains, device).map_err(named)?;
             self.check_slope(effect, device).map_err(named)?;
@@ -298,7 +337,7 @@ impl Settings {
                 parameter: "cycles of the effects",
                 value: cycles as f32,
                 accepted: Accepted::AtMost(device.effect_cycles as f32),
-                why: "the force of a longer step comes out late; switch an effect `off`",
+                why: Reason::plain("the force of a longer step comes out late; switch an effect `off`"),
             });
         }
         Ok(())
@@ -334,7 +373,10 @@ impl Settings {
             return Ok(());
         }
         let accepted = Accepted::AtLeast(at_least(wavelength * slope / stiffest));
-        let why = "m; below, the pattern is stiffer than device and block are stable with";
+        let why = Reason::of(
+            Dimension::LENGTH,
+            "below, the pattern is stiffer than device and block are stable with",
+        );
         refuse("wavelength", wavelength, accepted, why)
     }
 
@@ -364,7 +406,7 @@ impl Settings {
                     parameter.name,
                     *gain,
                     accepted,
-                    "outside the stability bounds of device and block",
+                    Reason::plain("outside the stability bounds of device and block"),
                 );
             }
         }
@@ -390,11 +432,20 @@ impl Settings {
         };
         let steep = wavelength * slope / self.k_vc;
         let sampled = SAMPLES * device.speed(HAND_SPEED) * device.period;
-        warn(sampled, "m; below, a hand at a tenth of the overspeed crosses a wave in fewer than 8 periods")
-            .or_else(|| {
-                let why = "m; below, the pattern is steeper than the coupling, and the handle jumps over it";
-                if self.renderer.has_block() { warn(steep, why) } else { None }
-            })
+        warn(
+            sampled,
+            Reason::of(
+                Dimension::LENGTH,
+                "below, a hand at a tenth of the overspeed crosses a wave in fewer than 8 periods",
+            ),
+        )
+        .or_else(|| {
+            let why = Reason::of(
+                Dimension::LENGTH,
+                "below, the pattern is steeper than the coupling, and the handle jumps over it",
+            );
+            if self.renderer.has_block() { warn(steep, why) } else { None }
+        })
     }
 
     /// Warns of a Δv below the zero-crossing limit cycle: the block chatters instead of stopping [thesis, eq. 4.21 and 4.35].
@@ -407,12 +458,18 @@ impl Settings {
         let (needed, why) = match self.renderer {
             RendererKind::VirtualCoupling => {
                 let (mass, k, b) = (self.mass, self.k_vc, self.b_vc);
-                let why = "m/s; below its limit-cycle velocity the block chatters (eq. 4.35)";
+                let why = Reason::of(
+                    Dimension::VELOCITY,
+                    "below its limit-cycle velocity the block chatters (eq. 4.35)",
+                );
                 (bounds::limit_cycle_velocity(friction, mass, k, b, period), why)
             }
             RendererKind::Impedance => {
                 let most = bounds::friction_max(device.mass, device.damping, period, 1.0);
-                (friction / most, "m/s; below, the handle chatters about rest (eq. 4.21)")
+                (
+                    friction / most,
+                    Reason::of(Dimension::VELOCITY, "below, the handle chatters about rest (eq. 4.21)"),
+                )
             }
             // has no dead band
             RendererKind::StoppingForce => return None,

@@ -1,7 +1,8 @@
 //! What runs in the control step: delay line, differences, sums.
 
 use super::moments::{Codes, Moments, SUMS, per_m_s, steps};
-use crate::{Accepted, Config, Device, Excitation, Refused, Wave};
+use crate::{Accepted, Config, Device, Excitation, Reason, Refused, Wave};
+use friction::Dimension;
 
 /// Bands of speed. All but the last are of one width and span the lower three tenths of the top speed; the last has the rest.
 pub const BANDS: usize = 12;
@@ -80,13 +81,18 @@ impl Procedure {
                 "warm_up",
                 self.warm_up_s,
                 Accepted::Between(ramp, 600.0),
-                "s; from the end of the ramp",
+                Reason::of(Dimension::TIME, "from the end of the ramp"),
             );
         }
         // the sums hold 60 000 samples, whatever those are
         let longest = 60_000.0 * device.period;
         if !(self.record_s >= 0.1 && self.record_s <= longest) {
-            return refuse("record", self.record_s, Accepted::Between(0.1, longest), "s");
+            return refuse(
+                "record",
+                self.record_s,
+                Accepted::Between(0.1, longest),
+                Reason::of(Dimension::TIME, ""),
+            );
         }
         self.excitation().validate(device)
     }

@@ -45,6 +45,8 @@ const ECCR_BANK_2: u32 = 1 << 21;
 /// Factory setting: two banks.
 const OPTR_RESET: u32 = 0xffef_f8aa;
 const OPTR_DBANK: u32 = 1 << 22;
+/// Place of BOR_LEV.
+const OPTR_BOR: u32 = 8;
 
 /// Result of an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,6 +114,10 @@ impl Flash {
     }
 
     /// Sets the option byte of two banks.
+    pub fn set_brown_out_level(&mut self, level: u32) {
+        self.optr = self.optr & !(7 << OPTR_BOR) | level << OPTR_BOR;
+    }
+
     pub fn set_dual_bank(&mut self, dual: bool) {
         self.optr = if dual { self.optr | OPTR_DBANK } else { self.optr & !OPTR_DBANK };
     }

@@ -383,6 +383,11 @@ impl Machine {
         self.shared.soc().world.rewire(wiring);
     }
 
+    /// Replaces the amplifier by one whose gain is this share of the normal one, and that gives this force, N, without a command.
+    pub fn set_amplifier(&mut self, gain: f64, at_zero: f64) {
+        self.shared.soc().world.set_amplifier(gain, at_zero);
+    }
+
     /// Loads the sensors for a calibration.
     ///
     /// # Errors
@@ -402,6 +407,13 @@ impl Machine {
     /// Sets the option byte DBANK, as a programmer does: two banks of flash, or one.
     pub fn set_dual_bank(&mut self, dual: bool) {
         self.shared.soc().flash.set_dual_bank(dual);
+    }
+
+    /// Sets the option byte BOR_LEV, as a programmer does: 0 to 4.
+    pub fn set_brown_out_level(&mut self, level: u32) {
+        let mut soc = self.shared.soc();
+        soc.flash.set_brown_out_level(level);
+        soc.supply.set_brown_out_level(level);
     }
 
     /// Replaces sensor readings by those of `source`, called once at the end of every conversion.

@@ -14,12 +14,15 @@ const EXTI_PR1: u32 = 0x14;
 const LINE: u32 = 1 << 16;
 /// Falling thresholds by PLS, mV [ds12288, "PVD thresholds"]. 7 is an external input.
 const LEVELS: [u32; 7] = [2000, 2200, 2400, 2500, 2600, 2800, 2900];
-/// Supply below which the chip is held in reset, mV: BOR level 0, the factory setting.
-const RESET_MV: u32 = 1700;
+/// Supply below which the chip is held in reset by BOR_LEV, mV [ds12288, "Embedded reset and power control block
+/// characteristics"]. The first is the factory setting.
+const RESET_MV: [u32; 5] = [1700, 2000, 2200, 2500, 2800];
 
 #[derive(Debug)]
 pub(crate) struct Supply {
     millivolt: u32,
+    /// Supply below which the chip is held in reset, mV.
+    reset_mv: u32,
     /// Last value of [`Self::low`].
     was_low: bool,
     pwr: [u32; 40],
@@ -30,6 +33,7 @@ impl Supply {
     pub fn new() -> Self {
         Self {
             millivolt: 3300,
+            reset_mv: RESET_MV[0],
             was_low: false,
             pwr: std::array::from_fn(|k| if k == PWR_CR5 { R1MODE } else { 0 }),
             exti: [0; 16],
@@ -40,12 +44,17 @@ impl Supply {
     pub fn set(&mut self, millivolt: u32) -> bool {
         self.millivolt = millivolt;
         self.look();
-        millivolt < RESET_MV
+        millivolt < self.reset_mv
+    }
+
+    /// Sets the level of the option byte.
+    pub fn set_brown_out_level(&mut self, level: u32) {
+        self.reset_mv = RESET_MV.get(level as usize).copied().unwrap_or(RESET_MV[0]);
     }
 
     /// Resets the registers. The supply remains.
     pub fn reset(&mut self) {
-        *self = Self { millivolt: self.millivolt, ..Self::new() };
+        *self = Self { millivolt: self.millivolt, reset_mv: self.reset_mv, ..Self::new() };
     }
 
     /// Whether range 1 is boosted, which allows more than 150 MHz [rm0440, 6.1.5].

@@ -5,9 +5,8 @@ use friction::FrictionLaw;
 use plant::{Bench, Hand, NoHand, Rig, RigConfig, Sensors, Truth, Wiring};
 use std::collections::VecDeque;
 
-/// Force per code of the DAC through the amplifier, N. Code 2048 is no force.
-const NEWTON_PER_CODE: f64 = 11.0 / 2048.0;
-const CODE_ZERO: f64 = 2048.0;
+/// The amplifier: code of the DAC without force, and force per code, N.
+const AMPLIFIER: (f64, f64) = (2048.0, 11.0 / 2048.0);
 /// Length of a chunk of the rig, 170 MHz ticks: 10 µs.
 const CHUNK_TICKS: u32 = 1_700;
 const UNITS_PER_TICK: u64 = UNITS_PER_SECOND / 170_000_000;
@@ -57,6 +56,8 @@ pub(crate) struct World {
     /// Present levels, and those at the end of the chunk.
     levels: (u16, u16),
     force: f64,
+    /// As [`AMPLIFIER`].
+    amplifier: (f64, f64),
     /// The wire of the command is broken: the amplifier's input is at 0 V.
     pub command_broken: bool,
 }
@@ -92,6 +93,7 @@ impl World {
             edges: VecDeque::new(),
             last_edge: (0, true),
             force: 0.0,
+            amplifier: AMPLIFIER,
             command_broken: false,
         })
     }
@@ -107,6 +109,12 @@ impl World {
 
     pub fn put_on_bench(&mut self, bench: Bench) -> Result<(), friction::Invalid> {
         self.rig.reconfigure(RigConfig { bench, ..self.rig.config() })
+    }
+
+    /// Replaces the amplifier: its gain as a share of the normal one, and the force at the normal code of zero, N.
+    pub fn set_amplifier(&mut self, gain: f64, at_zero: f64) {
+        let (zero, newton_per_code) = AMPLIFIER;
+        self.amplifier = (zero - at_zero / (gain * newton_per_code), gain * newton_per_code);
     }
 
     pub fn truth(&self) -> Truth {
@@ -139,7 +147,8 @@ impl World {
     pub fn advance(&mut self, now: u64, code: Option<u16>) {
         while now >= self.until {
             let code = code.map(|code| if self.command_broken { 0 } else { code });
-            self.force = code.map_or(0.0, |code| (f64::from(code) - CODE_ZERO) * NEWTON_PER_CODE);
+            let (zero, newton_per_code) = self.amplifier;
+            self.force = code.map_or(0.0, |code| (f64::from(code) - zero) * newton_per_code);
             self.levels = (self.sensors.load_code, self.sensors.accel_code);
             let before = self.sensors;
             let start = self.until;

@@ -143,7 +143,7 @@ fn json_of(design: &Design, checked: Option<&Checked>) -> Value {
         out.insert("preset".into(), json!(name));
         let changes = changes.as_ref().map(|changes| {
             let one = |c: &Change| {
-                json!({ "parameter": c.parameter, "from": c.from, "to": c.to, "refused": c.unsafe_before, "why": c.why })
+                json!({ "parameter": c.parameter, "from": c.from, "to": c.to, "refused": c.unsafe_before, "why": c.why.to_string() })
             };
             changes.iter().map(one).collect::<Vec<_>>()
         });
