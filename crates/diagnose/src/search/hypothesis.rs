@@ -53,9 +53,10 @@ impl Atom {
         Self { reliable: self.reliable, ..Self::new(design, baseline, self.term) }
     }
 
-    /// Numbers that it is fitted by: its gains and its shapes.
+    /// Numbers that it is fitted by: its gains and its shapes; a size and an angle count as one.
     pub fn parameters(&self) -> usize {
-        self.columns.len() + self.term.kind.shape().len()
+        let gains = if self.term.kind.about().at_an_angle { 1 } else { self.columns.len() };
+        gains + self.term.kind.shape().len()
     }
 
     /// What of each column is outside the span of `basis`.

@@ -228,6 +228,9 @@ pub struct About {
     pub gains: &'static [Parameter],
     /// Which of them may be free together.
     pub groups: GainGroups,
+    /// Its gains are a size and an angle. They count as one number where the simplest explanation is looked for: the rest position
+    /// of a spring, which is part of the offset, does not count either.
+    pub at_an_angle: bool,
     /// Parameters the force is not proportional to.
     pub shape: &'static [Parameter],
     /// What its force is made of.
@@ -280,6 +283,7 @@ impl About {
         told_apart_by: "",
         gains: &[],
         groups: ONE,
+        at_an_angle: false,
         shape: &[],
         reads: &[],
         opposes_motion: false,

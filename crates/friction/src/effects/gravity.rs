@@ -34,6 +34,7 @@ impl Describe for Gravity {
             Parameter::gain("cosine", Dimension::FORCE, (-1e6, 1e6), "torque of the weight at q = 0"),
         ],
         groups: BOTH,
+        at_an_angle: true,
         reads: &[Quantity::Position],
         seat: Seat::Body,
         only: Some((Geometry::Rotary, "weight is a constant along a slide: it is the offset")),
