@@ -22,6 +22,10 @@ static MACHINES: Need = Need::new(|| {
 static ARMS: Need =
     Need::new(|| ["mtm_joints", "panda_joints"].iter().find_map(|folder| recordings(folder).err()));
 
+static MOTOR: Need = Need::new(|| recordings("laas_cogging").err());
+static LIFTING: Need =
+    Need::new(|| ["iiwa_joints", "xl330_pendulum"].iter().find_map(|folder| recordings(folder).err()));
+
 static PAIRS: Need = Need::new(|| {
     let folders =
         ["iiwa_joints", "hsm150", "mtm_joints", "friction_damper", "pneumatic_seal", "servo_pendulum"];
@@ -41,6 +45,8 @@ fn main() -> ExitCode {
         tests![motion_in_one_direction_is_a_recording].needing(&MACHINES),
         tests![a_joint_that_is_coupled_to_others_has_no_ripple].needing(&ARMS),
         tests![a_damper_with_play_has_lost_motion].needing(&MACHINES),
+        tests![a_motor_that_was_held_at_each_angle_has_its_cogging].needing(&MOTOR),
+        tests![a_joint_that_lifts_itself_and_a_servo_that_lifts_a_weight_have_gravity].needing(&LIFTING),
         tests![over_all_pairs_of_records_no_frozen_model_is_worse]
             .needing(&PAIRS)
             .on_demand("117 diagnoses, some ten minutes"),
@@ -271,6 +277,32 @@ fn a_damper_with_play_has_lost_motion() {
         let rival = |m: &diagnose::Missing| m.indistinguishable_from.iter().any(|r| r == "lost_motion");
         assert!(names(&found, "lost_motion") || found.missing.iter().any(rival), "{}", file.display());
     }
+}
+
+/// The current that holds it, every 2 mrad. Its motor is not known; 72 periods a turn are what the current shows.
+fn a_motor_that_was_held_at_each_angle_has_its_cogging() {
+    let map = "time_s=time_s,position_rad=position_rad,torque_nm=iq_a";
+    let held = read(&recordings("laas_cogging/stopped_map.csv").expect("a recording"), map);
+    let found = found(&[held], &[]);
+    let cogging = found.missing.iter().find(|m| m.effect == "cogging").expect("cogging");
+    let periods = std::f64::consts::TAU / cogging.parameters["wavelength"].value;
+    println!("{periods:.2} periods a turn");
+    assert!((periods - periods.round()).abs() < 0.1, "a whole number in a turn");
+    assert!(found.after.rms_heldout < 0.6 * found.baseline.rms_heldout);
+}
+
+fn a_joint_that_lifts_itself_and_a_servo_that_lifts_a_weight_have_gravity() {
+    let joint = found(&[given("iiwa_joints/J2_chirp.csv")], &[]);
+    assert!(names(&joint, "gravity"));
+    assert!(joint.after.rms_heldout < 0.2 * joint.baseline.rms_heldout);
+    // within half a radian a sine and a straight line are one
+    let runs = files("xl330_pendulum", ".json");
+    let [first, _, up, _, next, ..] = &runs[..] else { panic!("{} runs", runs.len()) };
+    let of = |file: &PathBuf| read(file, SMALL_SERVO);
+    let servo = found(&[of(first), of(up)], &[of(next)]);
+    let rival = |m: &diagnose::Missing| m.indistinguishable_from.iter().any(|r| r == "gravity");
+    assert!(names(&servo, "gravity") || servo.missing.iter().any(rival));
+    assert!(servo.validation[0].rms_after < 0.5 * servo.validation[0].rms_before);
 }
 
 /// Median of ratios.
