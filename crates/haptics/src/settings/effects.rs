@@ -27,10 +27,10 @@ pub fn effect_cycles(kind: EffectKind) -> u32 {
         EffectKind::LoadDependentFriction => 130,
         EffectKind::PositionDependentFriction => 160,
         EffectKind::FrictionDrift | EffectKind::Presliding => 240,
-        EffectKind::Gravity => 260,
-        EffectKind::TorqueRipple => 290,
-        EffectKind::PeriodicFriction => 310,
-        EffectKind::Cogging => 330,
+        EffectKind::Gravity => 310,
+        EffectKind::TorqueRipple => 340,
+        EffectKind::PeriodicFriction => 350,
+        EffectKind::Cogging => 380,
         EffectKind::RisingStaticFriction => 350,
         EffectKind::FrictionalLag => 530,
         EffectKind::Stribeck | EffectKind::SublinearViscous => 590,
@@ -40,7 +40,7 @@ pub fn effect_cycles(kind: EffectKind) -> u32 {
 
 /// Cycles that the passivity controller adds to a control step on the NUCLEO-G474RE at worst, rounded up.
 /// `tests/elf/cycles.rs` measures them.
-pub const PASSIVITY_CYCLES: u32 = 130;
+pub const PASSIVITY_CYCLES: u32 = 150;
 
 impl Settings {
     pub(super) fn get_effect(&self, name: &str) -> Option<Value> {
