@@ -33,6 +33,19 @@ fn said(lines: &str, ms: usize) -> Vec<u8> {
     said
 }
 
+/// The first messages of a bag, on small pages.
+fn small_bag(bag: &Path, small: &Path) -> rusqlite::Result<()> {
+    let database = rusqlite::Connection::open(small)?;
+    database.execute_batch("PRAGMA page_size = 512;")?;
+    database.execute("ATTACH ?1 AS bag", [bag.display().to_string()])?;
+    database.execute_batch(
+        "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);
+         CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB);
+         INSERT INTO topics SELECT id, name, type, serialization_format FROM bag.topics;
+         INSERT INTO messages SELECT id, topic_id, timestamp, data FROM bag.messages WHERE id < 12;",
+    )
+}
+
 const MESSAGES: [&str; 12] = [
     r#"{"do":"arm"}"#,
     r#"{"do":"hand","at":0.01}"#,
@@ -106,10 +119,12 @@ pub fn seeds() -> Vec<Seed> {
         ("parquet", "stamped.parquet"),
         ("mcap", "one_joint/one_joint.mcap"),
         ("mcap", "arm_mcap/arm_mcap.mcap"),
-        ("bag", "arm_sqlite/arm_sqlite.db3"),
     ] {
         file(target, &format!("crates/signals/tests/foreign/{name}"), usize::MAX);
     }
+    let small = folder.path().join("small.db3");
+    small_bag(&root.join("crates/signals/tests/foreign/arm_sqlite/arm_sqlite.db3"), &small).expect("a bag");
+    let small = std::fs::read(small).expect("a bag");
     for name in ["oscillator.mat", "positioner.mat"] {
         file("mat5", &format!("crates/tools/fixtures/recordings/{name}"), usize::MAX);
     }
@@ -133,6 +148,7 @@ pub fn seeds() -> Vec<Seed> {
     for (k, lines) in CONSOLE.iter().enumerate() {
         text("console", k, lines.as_bytes());
     }
+    text("bag", 0, &small);
     text("frame", 0, &said("stream on\n", 30));
     text("frame", 1, &said("get\nstream on 2\nstatus\n", 30));
     let mut device = virtual_device();
