@@ -69,7 +69,7 @@ pub(crate) fn flash(bytes: &[u8]) {
                 device.tick();
             }
         }
-        Err(unfit) => crate::is_one_line(&unfit.to_string()),
+        Err(unfit) => crate::one_line::is_one_line(&unfit.to_string()),
     }
     let mut store = PresetStore::default();
     let mut rest = bytes;

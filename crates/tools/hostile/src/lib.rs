@@ -7,6 +7,7 @@
 
 mod device;
 mod models;
+mod one_line;
 mod page;
 mod recordings;
 mod seeds;
@@ -65,9 +66,4 @@ pub fn run(name: &str, bytes: &[u8]) -> usize {
         bytes.len()
     );
     taken
-}
-
-/// A message for people is one line.
-fn is_one_line(message: &str) {
-    assert!(!message.is_empty() && !message.contains('\n'), "{message:?}");
 }

@@ -1,7 +1,7 @@
 //! Models and presets, as TOML.
 
 use crate::device::virtual_device;
-use crate::is_one_line;
+use crate::one_line::is_one_line;
 use identify::Model;
 use signals::{Geometry, Recording};
 

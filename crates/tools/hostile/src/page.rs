@@ -1,6 +1,6 @@
 //! Messages of a page of the lab.
 
-use crate::is_one_line;
+use crate::one_line::is_one_line;
 use haptics::{Device, Settings};
 use lab::message::Ask;
 use lab::verdict;

@@ -1,6 +1,6 @@
 //! Files of recordings.
 
-use crate::is_one_line;
+use crate::one_line::is_one_line;
 use signals::{Error, ReadOptions, Recording};
 use std::cell::RefCell;
 use std::path::PathBuf;
