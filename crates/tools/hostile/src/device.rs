@@ -1,6 +1,6 @@
 //! The serial line, from both ends, and what a device finds in its flash.
 
-use client::{Session, Transport};
+use client::{Event, Session, Transport};
 use link::{Decoder, PresetStore, decode_payload};
 use tribos_firmware::VirtualDevice;
 use tribos_firmware::board::simulated::flash::SimulatedFlash;
@@ -48,16 +48,59 @@ impl Transport for Given {
     }
 }
 
-/// Bytes from a device: lines, headers and samples.
+/// Checksum of a frame, as `link` documents it.
+const CRC: crc::Crc<u16> = crc::Crc::<u16>::new(&crc::CRC_16_IBM_3740);
+
+/// Frames with a right checksum, of bodies that are length, format id and content, one behind the other.
+fn framed(bytes: &[u8]) -> Vec<u8> {
+    let (mut wire, mut rest) = (Vec::new(), bytes);
+    while let [length, after @ ..] = rest {
+        let (body, behind) = after.split_at(usize::from(*length).min(after.len()));
+        let mut payload = [&[0], body].concat();
+        payload.extend(CRC.checksum(&payload).to_le_bytes());
+        assert!(
+            body.first().is_some_and(|format| matches!(format, 4 | 5)) || decode_payload(&payload).is_none()
+        );
+        let mut encoded = vec![0; cobs::max_encoding_length(payload.len())];
+        let used = cobs::encode(&payload, &mut encoded);
+        wire.extend(&encoded[..used]);
+        wire.push(0);
+        rest = behind;
+    }
+    wire
+}
+
+/// The bodies of the frames in what a device sent: what [`framed`] takes.
+pub(crate) fn bodies(said: &[u8]) -> Vec<u8> {
+    let mut out = Vec::new();
+    for frame in said.split(|byte| *byte == 0) {
+        let mut payload = frame.to_vec();
+        let Ok(length) = cobs::decode_in_place(&mut payload) else { continue };
+        if let [0, body @ .., _, _] = &payload[..length] {
+            out.push(u8::try_from(body.len()).unwrap_or(u8::MAX));
+            out.extend(body);
+        }
+    }
+    out
+}
+
+/// Bytes from a device: lines, headers and samples; and frames of these bytes whose checksum is right.
 pub(crate) fn frame(bytes: &[u8]) {
-    // the payload alone first: the checksum lets few inputs through
-    let _ = decode_payload(bytes);
+    received(bytes);
+    received(&framed(bytes));
+}
+
+fn received(bytes: &[u8]) {
     let mut decoder = Decoder::default();
     for byte in bytes {
         let _ = decoder.push(*byte);
     }
     let mut session = Session::over("line", Box::new(Given(bytes.to_vec())));
-    let _ = session.poll();
+    for event in session.poll().expect("this line does not fail") {
+        if let Event::Header(header) = event {
+            let _ = (header.describe(), header.notes(), header.device().unreferenced_force());
+        }
+    }
 }
 
 /// The flash of a device, as it starts; and items of it: key, length and content, one behind the other.

@@ -42,7 +42,7 @@ pub const TARGETS: [Target; 13] = [
 /// Memory bound per byte of input, bytes.
 const MOST: usize = 20;
 /// Memory that a small input may take, bytes.
-const LEAST: usize = 96 << 20;
+const LEAST: usize = 4 << 20;
 
 /// Memory that a reader may take for an input of `bytes`, bytes.
 #[must_use]

@@ -1,6 +1,6 @@
 //! What the fuzzer begins with: small inputs that the readers accept.
 
-use crate::device::virtual_device;
+use crate::device::{bodies, virtual_device};
 use signals::Recording;
 use std::path::Path;
 
@@ -151,6 +151,7 @@ pub fn seeds() -> Vec<Seed> {
     text("bag", 0, &small);
     text("frame", 0, &said("stream on\n", 30));
     text("frame", 1, &said("get\nstream on 2\nstatus\n", 30));
+    text("frame", 2, &bodies(&said("stream on\n", 30)));
     let mut device = virtual_device();
     device.write(b"set f_static 3\npreset save mine\npreset default mine\n");
     for _ in 0..50 {
