@@ -84,6 +84,14 @@ pub enum Error {
     /// The recording was interrupted before its first sample.
     #[error("{}: interrupted before the first sample; nothing was written", .0.display())]
     Interrupted(PathBuf),
+    /// No live stream to this address.
+    #[error("live {address}: {why}")]
+    Live {
+        /// Address as named by the user.
+        address: String,
+        /// What is wrong, and what would be accepted.
+        why: String,
+    },
     /// A file cannot be written.
     #[error(transparent)]
     File(#[from] FileError),
@@ -129,6 +137,7 @@ impl Error {
             | Self::Refused { .. }
             | Self::NotHomed { .. }
             | Self::Interrupted(_)
+            | Self::Live { .. }
             | Self::File(_) => None,
         }
     }

@@ -7,11 +7,15 @@
 //! sample      raw codes to SI, by the calibration in the stream's header
 //! origin      the middle of the stroke: whether the device knows it, and the search for it
 //! recorder    a stream into a CSV file that survives a crash
+//! live        a stream to programs that plot it
+//!   columns     names and digits that both write
 //! ```
 #![forbid(unsafe_code)]
 
 mod clock;
+mod columns;
 mod error;
+mod live;
 mod moves;
 mod origin;
 mod recorder;
@@ -22,6 +26,7 @@ mod wire;
 
 pub use clock::ClockRatio;
 pub use error::{Error, Result};
+pub use live::{Live, Tally};
 pub use moves::Move;
 pub use origin::reference;
 pub use recorder::{Plan, Recorded, RecordingFile, record};

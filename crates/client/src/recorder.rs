@@ -4,11 +4,11 @@
 //! the `.part` is a readable recording up to its last flush. A recording that is ended early is kept.
 
 use crate::clock::ClockRatio;
+use crate::columns;
 use crate::error::{Error, Result};
 use crate::moves::Move;
 use crate::sample::{Header, Sample};
 use crate::session::{Event, Session};
-use friction::Geometry;
 use signals::files::{self, FileError};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -257,28 +257,23 @@ fn write_head(out: &mut impl Write, header: &Header, plan: &Plan) -> std::io::Re
         // a line break in a note would end the comment
         writeln!(out, "# {key}: {}", value.replace(['\n', '\r'], " "))?;
     }
-    let columns = match header.geometry() {
-        Geometry::Linear => "time_s,position_m,velocity_m_s,acceleration_m_s2,force_n,command_n,reference_m",
-        Geometry::Rotary => {
-            "time_s,position_rad,velocity_rad_s,acceleration_rad_s2,torque_nm,command_nm,reference_rad"
-        }
-    };
-    writeln!(out, "{columns}")
+    writeln!(out, "{}", columns::names(header.geometry()).join(","))
 }
 
-/// One sample, with more digits than any sensor resolves.
-fn write_row(out: &mut impl Write, s: &Sample) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{:.6},{:.8},{:.7},{:.5},{:.6},{:.6},{:.8}",
-        s.time, s.position, s.velocity, s.acceleration, s.force, s.command, s.reference
-    )
+/// One sample.
+fn write_row(out: &mut impl Write, sample: &Sample) -> std::io::Result<()> {
+    for (k, (value, decimals)) in columns::values(sample).into_iter().enumerate() {
+        let comma = if k > 0 { "," } else { "" };
+        write!(out, "{comma}{value:.decimals$}")?;
+    }
+    writeln!(out)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sample::Calibration;
+    use friction::Geometry;
     use link::Mechanics;
     use signals::{ReadOptions, Recording};
 

@@ -50,8 +50,7 @@ impl Default for Options {
 /// Largest number of a recording, in its unit: a fourth power of it is a number still.
 pub(crate) const LARGEST: f64 = 1e50;
 
-/// Why there is no diagnosis at all. A recording that cannot answer is not an error but the verdict
-/// `not_testable`.
+/// Input that cannot be diagnosed. A recording that cannot answer is no error: its verdict is `not_testable`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Error {
     /// No recording was given.

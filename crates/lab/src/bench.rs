@@ -17,7 +17,7 @@ use crate::orders::{About, Orders};
 use crate::say::{Say, Tone};
 use crate::tools::Tools;
 use axum::extract::ws::Message;
-use client::{Event, Header, Sample, Session};
+use client::{Event, Header, Live, Sample, Session};
 use recording_in_progress::Recording;
 use running::Running;
 use std::collections::BTreeSet;
@@ -106,6 +106,7 @@ pub(crate) struct Bench {
     experiment: Option<Running>,
     /// Silence limit of the device before this lab changed it, s.
     watch: Option<String>,
+    live: Option<Live>,
 }
 
 impl Bench {
@@ -115,6 +116,7 @@ impl Bench {
         shared: Shared,
         (requests, own): (Receiver<ToBench>, Sender<ToBench>),
         began: Instant,
+        live: Option<Live>,
     ) -> Self {
         let now = Instant::now();
         Self {
@@ -139,6 +141,7 @@ impl Bench {
             recording: None,
             experiment: None,
             watch: None,
+            live,
         }
     }
 
@@ -360,6 +363,9 @@ impl Bench {
             known.force_max = f64::from(known.device.force_max);
             known.unreferenced_force = f64::from(known.device.unreferenced_force());
         });
+        if let Some(live) = &mut self.live {
+            live.header(&header);
+        }
         self.header = Some(header);
         self.dirty = true;
         self.tell(true);
@@ -372,6 +378,9 @@ impl Bench {
             self.dirty = true;
         }
         self.last = Some(*sample);
+        if let Some(live) = &mut self.live {
+            live.sample(sample);
+        }
         self.batch.push(sample);
         if self.batch.len() >= FULL {
             self.flush_now();

@@ -41,7 +41,7 @@ use tokio::sync::{broadcast, oneshot};
 const KEPT: usize = 2_048;
 
 /// How the lab is served.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Options {
     /// Where it listens; port 0 takes a free one.
     pub address: SocketAddr,
@@ -49,6 +49,8 @@ pub struct Options {
     pub token: Option<String>,
     /// Where recordings, sessions and reports go.
     pub folder: PathBuf,
+    /// Where each sample goes besides.
+    pub live: Option<client::Live>,
 }
 
 /// A lab that runs; dropping it ends it.
@@ -98,7 +100,9 @@ impl Lab {
         let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
         threads.push(
             thread("device")
-                .spawn(move || Bench::new(tools, options.folder, shared, (requests, own), began).run())
+                .spawn(move || {
+                    Bench::new(tools, options.folder, shared, (requests, own), began, options.live).run()
+                })
                 .map_err(taken)?,
         );
         let (ended, end) = oneshot::channel::<()>();

@@ -5,6 +5,9 @@ use serde::Deserialize;
 /// Longest message from a page, bytes.
 pub const LONGEST: usize = 32 * 1024;
 
+/// Longest reason of a refusal, characters.
+const LONGEST_REFUSAL: usize = 500;
+
 /// One request of a page.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
@@ -148,7 +151,12 @@ impl Ask {
         if text.len() > LONGEST {
             return Err(format!("a message of {} bytes: accepted are {LONGEST}", text.len()));
         }
-        serde_json::from_str(text).map_err(|e| format!("not a message of this page: {e}"))
+        // the error quotes the message, which may hold anything
+        let printable = |c: char| if c.is_control() { ' ' } else { c };
+        serde_json::from_str(text).map_err(|e| {
+            let why: String = e.to_string().chars().map(printable).take(LONGEST_REFUSAL).collect();
+            format!("not a message of this page: {why}")
+        })
     }
 }
 
@@ -166,6 +174,15 @@ mod tests {
             let why = Ask::read(bad).expect_err(bad);
             println!("{bad:40} {why}");
             assert!(!why.contains('\n'));
+        }
+    }
+
+    #[test]
+    fn a_line_end_in_a_message_split_its_refusal() {
+        for bad in [format!(r#"{{"do":"{}"}}"#, "x".repeat(20_000)), r#"{"do":"begin\nchoice"}"#.into()] {
+            let why = Ask::read(&bad).expect_err("refused");
+            println!("{why}");
+            assert!(!why.contains('\n') && why.len() < 600);
         }
     }
 }

@@ -72,6 +72,9 @@ pub(crate) fn difference(reference: &Stimulus, comparison: &Stimulus) -> f64 {
     by_static.max(by_dynamic)
 }
 
+/// Largest number of trials of a batch: a day without a pause.
+const MAX_TRIALS: usize = 10_000;
+
 impl Batch {
     /// Batch 1, 2 or 3 with the levels of [thesis, table 5-4, 5-5 and 5-6], two rounds of five [thesis, ch. 5.3.2].
     #[must_use]
@@ -113,6 +116,12 @@ impl Batch {
                 if comparisons.is_empty() || *rounds == 0 {
                     return Err(named("at least one comparison and one round are accepted".into()));
                 }
+                if comparisons.len().saturating_mul(*rounds) > MAX_TRIALS {
+                    return Err(named(format!(
+                        "{rounds} rounds of {} comparisons: at most {MAX_TRIALS} trials are accepted",
+                        comparisons.len()
+                    )));
+                }
                 for (k, comparison) in comparisons.iter().enumerate() {
                     comparison.validate().map_err(|e| named(format!("comparison {}: {e}", k + 1)))?;
                     if difference(&self.reference, comparison) == 0.0 {
@@ -133,6 +142,9 @@ impl Batch {
                     .apply(&self.reference, *high)
                     .validate()
                     .map_err(|e| named(format!("range_n: {e}")))?;
+                if *trials > MAX_TRIALS {
+                    return Err(named(format!("trials = {trials}: at most {MAX_TRIALS} are accepted")));
+                }
                 if *trials == 0 || !(enough.is_finite() && *enough >= 1.0) {
                     return Err(named("trials above 0 and an `enough` from 1 on are accepted".into()));
                 }
@@ -169,6 +181,20 @@ mod tests {
             assert_eq!(Batch::adaptive(k + 1).expect("an adaptive one").validate(), Ok(()));
         }
         assert_eq!(Batch::printed(0).or(Batch::printed(4)), None);
+    }
+
+    #[test]
+    fn a_batch_of_a_billion_rounds_took_all_memory() {
+        let mut batch = Batch::printed(1).expect("a printed batch");
+        let Procedure::Constant { rounds, .. } = &mut batch.procedure else { panic!("constant") };
+        *rounds = usize::MAX;
+        let refused = batch.validate().expect_err("too many");
+        println!("{refused}");
+        assert!(refused.ends_with(" rounds of 5 comparisons: at most 10000 trials are accepted"));
+        let mut adaptive = Batch::adaptive(1).expect("an adaptive one");
+        let Procedure::Adaptive { trials, .. } = &mut adaptive.procedure else { panic!("adaptive") };
+        *trials = 10_001;
+        assert!(adaptive.validate().is_err_and(|e| e.contains("trials = 10001")));
     }
 
     #[test]

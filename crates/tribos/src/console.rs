@@ -1,7 +1,7 @@
 //! The console of `connect`: live plot, answers, and command line; plain lines without a terminal.
 
 use crate::failure::{Failure, Result};
-use client::{Event, Sample, Session};
+use client::{Event, Live, Sample, Session};
 use ratatui::crossterm::event::{self, Event as Key, KeyCode, KeyEventKind, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
@@ -11,6 +11,7 @@ use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph};
 use ratatui::{DefaultTerminal, Frame};
 use std::collections::VecDeque;
 use std::io::{BufRead, Write};
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::time::{Duration, Instant};
 
 /// Length of the plot, s.
@@ -42,8 +43,13 @@ impl Screen {
                 self.say(header.describe());
             }
             Event::Sample(sample) => {
-                self.points.push_back(sample);
                 let newest = sample.time;
+                // more points than the terminal has columns show nothing more
+                let apart = WINDOW_S / MAX_POINTS as f64;
+                if self.points.back().is_some_and(|last| (0.0..apart).contains(&(newest - last.time))) {
+                    return;
+                }
+                self.points.push_back(sample);
                 while self.points.len() > MAX_POINTS
                     || self.points.front().is_some_and(|p| p.time < newest - WINDOW_S)
                 {
@@ -180,28 +186,43 @@ fn paint(line: &str) -> Line<'_> {
     Line::from(Span::styled(line, Style::new().fg(colour)))
 }
 
+/// Passes an event on to the live stream, if there is one.
+fn pass(event: &Event, live: &mut Option<Live>) {
+    match (event, live) {
+        (Event::Header(header), Some(live)) => live.header(header),
+        (Event::Sample(sample), Some(live)) => live.sample(sample),
+        _ => {}
+    }
+}
+
 /// Runs the full-screen console until the user leaves it.
 ///
 /// # Errors
 /// The line or the terminal failed. The terminal is restored first.
-pub(crate) fn screen(session: &mut Session, name: &str) -> Result<()> {
+pub(crate) fn screen(session: &mut Session, name: &str, live: &mut Option<Live>) -> Result<()> {
     let mut terminal =
         ratatui::try_init().map_err(|e| Failure::new(format!("the terminal cannot be used: {e}")))?;
-    let ended = run(&mut terminal, session, name);
+    let ended = run(&mut terminal, session, name, live);
     ratatui::restore();
     ended
 }
 
-fn run(terminal: &mut DefaultTerminal, session: &mut Session, name: &str) -> Result<()> {
+fn run(
+    terminal: &mut DefaultTerminal,
+    session: &mut Session,
+    name: &str,
+    live: &mut Option<Live>,
+) -> Result<()> {
     let lost = |e: std::io::Error| Failure::new(format!("the terminal is gone: {e}"));
     let mut screen = Screen::default();
     session.in_real_time();
     screen.say(format!("connected to {name}"));
     session.send_line("version")?;
-    session.send_line("stream on 10")?;
+    session.send_line(if live.is_some() { "stream on" } else { "stream on 10" })?;
     let mut drawn = Instant::now() - Duration::from_secs(1);
     loop {
         for event in session.poll()? {
+            pass(&event, live);
             screen.take(event);
         }
         if drawn.elapsed() >= Duration::from_millis(33) {
@@ -226,14 +247,46 @@ fn run(terminal: &mut DefaultTerminal, session: &mut Session, name: &str) -> Res
     }
 }
 
-/// Line mode: sends each line of standard input and prints the answer, until the input ends.
+/// Lines of standard input, as they are typed.
+fn typed_lines() -> Receiver<std::io::Result<String>> {
+    let (typed, lines) = sync_channel(0);
+    // it ends with the input, or with the program
+    std::thread::spawn(move || {
+        for line in std::io::stdin().lock().lines() {
+            if typed.send(line).is_err() {
+                return;
+            }
+        }
+    });
+    lines
+}
+
+/// Line mode: sends each line of standard input and prints the answer, until the input ends. A live stream goes on between
+/// the lines.
 ///
 /// # Errors
 /// The line failed, or a line of input is not text.
-pub(crate) fn lines(session: &mut Session) -> Result<()> {
+pub(crate) fn lines(session: &mut Session, live: &mut Option<Live>) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    for line in std::io::stdin().lock().lines() {
-        let line = line.map_err(|e| Failure::new(format!("standard input: {e}")))?;
+    if live.is_some() {
+        session.in_real_time();
+        session.command("stream on")?;
+    }
+    let typed = typed_lines();
+    loop {
+        let line = if live.is_some() {
+            for event in session.poll()? {
+                pass(&event, live);
+            }
+            typed.try_recv()
+        } else {
+            typed.recv().map_err(|_| TryRecvError::Disconnected)
+        };
+        let line = match line {
+            Ok(line) => line.map_err(|e| Failure::new(format!("standard input: {e}")))?,
+            Err(TryRecvError::Empty) => continue,
+            Err(TryRecvError::Disconnected) => break,
+        };
         let line = line.trim();
         if matches!(line, "quit" | "exit") {
             break;
@@ -245,6 +298,12 @@ pub(crate) fn lines(session: &mut Session) -> Result<()> {
             if writeln!(out, "{answer}").is_err() {
                 return Ok(());
             }
+        }
+    }
+    if live.is_some() {
+        session.command("stream off")?;
+        for event in session.poll()? {
+            pass(&event, live);
         }
     }
     Ok(())

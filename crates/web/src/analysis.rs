@@ -23,7 +23,7 @@ pub struct Options {
     pub cutoff: String,
 }
 
-/// Why there is no answer: what the command prints behind `error: `.
+/// A refusal: what the command prints behind `error: `.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refusal(String);
 

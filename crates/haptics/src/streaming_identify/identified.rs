@@ -71,7 +71,7 @@ impl Identified {
     }
 }
 
-/// Why there is no result.
+/// Reason of a refusal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unidentified {
     /// Too few samples of fast motion in one direction.

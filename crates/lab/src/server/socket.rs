@@ -10,7 +10,32 @@ use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::Sender;
+use std::time::Instant;
 use tokio::sync::broadcast::error::RecvError;
+
+/// Requests to the device's thread that a page may make a second. A mouse that holds the handle makes 60 to 240.
+const A_SECOND: u32 = 500;
+
+/// Requests that a page may still make: those of a second at most.
+struct Allowance {
+    left: f64,
+    at: Instant,
+}
+
+impl Allowance {
+    fn new() -> Self {
+        Self { left: f64::from(A_SECOND), at: Instant::now() }
+    }
+
+    /// Takes one, if there is one.
+    fn take(&mut self, now: Instant) -> bool {
+        let gained = f64::from(A_SECOND) * now.duration_since(self.at).as_secs_f64();
+        (self.left, self.at) = ((self.left + gained).min(f64::from(A_SECOND)), now);
+        let is_left = self.left >= 1.0;
+        self.left -= f64::from(u8::from(is_left));
+        is_left
+    }
+}
 
 pub(super) async fn open(State(app): State<App>, upgrade: WebSocketUpgrade) -> Response {
     upgrade
@@ -23,6 +48,7 @@ async fn page(app: &App, mut socket: WebSocket) {
     let page = app.pages.fetch_add(1, Ordering::Relaxed);
     let bench = app.bench.clone();
     let mut news = app.shared.pages.subscribe();
+    let mut allowance = Allowance::new();
     // it answers with everything that is known
     let mut open = bench.send(ToBench::Joined(page)).is_ok();
     while open {
@@ -37,7 +63,7 @@ async fn page(app: &App, mut socket: WebSocket) {
             }
             asked = socket.recv() => match asked {
                 Some(Ok(Message::Text(text))) => {
-                    match answer(app, &bench, text.as_str()) {
+                    match answer(app, &bench, &mut allowance, text.as_str()) {
                         Ok(None) => {}
                         Ok(Some(message)) => open = socket.send(message).await.is_ok(),
                         Err(why) => {
@@ -62,7 +88,12 @@ fn said(say: &Say<'_>) -> Message {
 }
 
 /// What is answered to this page alone; the rest goes to the device's thread.
-fn answer(app: &App, bench: &Sender<ToBench>, text: &str) -> Result<Option<Message>, String> {
+fn answer(
+    app: &App,
+    bench: &Sender<ToBench>,
+    allowance: &mut Allowance,
+    text: &str,
+) -> Result<Option<Message>, String> {
     Ok(match Ask::read(text)? {
         Ask::Ping { id } => {
             let clock = app.began.elapsed().as_millis() as u32;
@@ -82,8 +113,31 @@ fn answer(app: &App, bench: &Sender<ToBench>, text: &str) -> Result<Option<Messa
             Some(said(&Say::Proposed { id, verdict }))
         }
         ask => {
+            // what takes the force away is never refused
+            if !matches!(ask, Ask::Stop | Ask::Disarm) && !allowance.take(Instant::now()) {
+                return Err(format!("too many requests: at most {A_SECOND} a second are accepted"));
+            }
             bench.send(ToBench::Asked(ask)).map_err(|_| "the lab is closing".to_owned())?;
             None
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn a_flood_filled_the_queue_of_the_device() {
+        let mut allowance = Allowance::new();
+        let began = allowance.at;
+        // ten times as many as are accepted, for three seconds
+        let passed = (0..30_000).filter(|k| allowance.take(began + Duration::from_micros(100 * k))).count();
+        println!("{passed} of 30000 pass");
+        assert!((1_990..=2_000).contains(&passed));
+        // a fast mouse after a pause
+        let later = began + Duration::from_secs(10);
+        assert!((0..2_400).all(|k| allowance.take(later + Duration::from_micros(4_167 * k))));
+    }
 }

@@ -6,10 +6,17 @@ use super::topics::{self, Topics};
 use super::variables::Wanted;
 use crate::{Error, Recording, files};
 use rusqlite::limits::Limit;
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::{Connection, ErrorCode, OpenFlags};
 use std::collections::HashMap;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+
+/// Operations of SQLite after which a file of no bytes is given up.
+const WORK: u64 = 10_000_000;
+/// The same for each byte.
+const WORK_PER_BYTE: u64 = 100;
+/// Operations between two looks.
+const STRIDE: i32 = 1000;
 
 /// Reads a bag's file.
 pub(crate) fn read(file: &str, path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
@@ -46,6 +53,12 @@ fn parts(folder: &Path) -> Result<Vec<PathBuf>, String> {
         return Err(format!("{BAG_METADATA} names no files under relative_file_paths"));
     }
     for name in &names {
+        let is_plain = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
+        if !Path::new(name).components().all(is_plain) {
+            return Err(format!(
+                "{BAG_METADATA}: `{name}` is outside the bag; accepted are files inside its folder"
+            ));
+        }
         if name.ends_with(".zstd") {
             return Err(format!(
                 "{name} is compressed as a whole; accepted once `ros2 bag convert` has unpacked it"
@@ -66,7 +79,14 @@ fn storage(path: &Path, topics: &mut Topics) -> Result<(), String> {
     if !begins_with(path, signatures::SQLITE) {
         return Err("neither SQLite nor MCAP".into());
     }
-    let words = |e: rusqlite::Error| format!("SQLite that cannot be read: {e}");
+    let words = |e: rusqlite::Error| match e.sqlite_error_code() {
+        Some(ErrorCode::OperationInterrupted) => {
+            format!(
+                "SQLite that takes more work than tables of {size} bytes; accepted is a bag's own file, undamaged"
+            )
+        }
+        _ => format!("SQLite that cannot be read: {e}"),
+    };
     let open = |uri: &str| {
         let flags =
             OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
@@ -77,10 +97,18 @@ fn storage(path: &Path, topics: &mut Topics) -> Result<(), String> {
     // nothing is written beside a file that has no write-ahead log, and its folder may be read-only
     let immutable = if Path::new(&log).exists() { "" } else { "?immutable=1" };
     let escaped: String = path.to_string_lossy().chars().map(escaped).collect();
-    let database = open(&format!("file:{escaped}{immutable}")).map_err(words)?;
+    let mut database = open(&format!("file:{escaped}{immutable}")).map_err(words)?;
     // no message is longer than the file
     let longest = i32::try_from(size).unwrap_or(i32::MAX);
     database.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(words)?;
+    // reading a table takes some ten operations a row, and no row is shorter than a byte
+    let most = WORK + size.saturating_mul(WORK_PER_BYTE);
+    let mut done = 0;
+    let beyond = move || {
+        done += STRIDE as u64;
+        done > most
+    };
+    database.progress_handler(STRIDE, Some(beyond)).map_err(words)?;
     let mut read: HashMap<i64, (String, String)> = HashMap::new();
     let mut query = database
         .prepare("SELECT id, name, type, serialization_format FROM topics")

@@ -153,3 +153,33 @@ fn refusals_name_what_is_there() {
     }
     says("j1.csv", Some("j1"), None, &["no joint `j1`: no column has a joint's label"]);
 }
+
+#[test]
+fn a_bag_with_endless_rows_hung() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("endless.db3");
+    let database = rusqlite::Connection::open(&path).unwrap();
+    database
+        .execute_batch(
+            "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);
+             INSERT INTO topics VALUES (1, '/joint_states', 'sensor_msgs/msg/JointState', 'cdr');
+             CREATE VIEW messages AS WITH RECURSIVE c(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM c)
+                 SELECT n AS id, 2 AS topic_id, n AS timestamp, x'00' AS data FROM c;",
+        )
+        .unwrap();
+    drop(database);
+    let said = Recording::read(&path, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(said.contains("takes more work than tables of "), "{said}");
+}
+
+#[test]
+fn a_bag_named_files_outside_its_folder() {
+    let dir = tempfile::tempdir().unwrap();
+    let whole = std::fs::canonicalize(path("arm_sqlite/arm_sqlite.db3")).unwrap();
+    for name in ["../arm.db3", "/etc/passwd", whole.to_str().unwrap()] {
+        std::fs::write(dir.path().join("metadata.yaml"), format!("relative_file_paths:\n  - {name}\n"))
+            .unwrap();
+        let said = Recording::read(dir.path(), &ReadOptions::default()).unwrap_err().to_string();
+        assert!(said.contains(&format!("`{name}` is outside the bag")), "{said}");
+    }
+}

@@ -31,6 +31,7 @@ const LAYERS: &[&str] = &[
     "tribos-web",
     "tribos-lab",
     // what proves, and what people type
+    "hostile",
     "benchmark",
     "figures",
     "prove",

@@ -2,7 +2,7 @@
 
 use crate::console;
 use crate::failure::{Outcome, Result};
-use client::Session;
+use client::{Live, Session};
 use std::io::IsTerminal;
 
 /// Options of `connect`.
@@ -14,19 +14,26 @@ pub struct Args {
     /// Seed of the virtual device
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Also send each sample of the stream by UDP, as JSON for PlotJuggler, e.g. 127.0.0.1:9870
+    #[arg(long, value_name = "HOST:PORT")]
+    live: Option<String>,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
+    let mut live = args.live.as_deref().map(Live::to).transpose()?;
     let mut session = Session::open(&args.port, args.seed)?;
-    if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
+    let ended = if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
         if args.port == "sim" {
             // a plot of nothing tells nothing: a hand moves the virtual handle, and it resists
             session.command("sim hand sine 0.008 0.5")?;
             session.command("render on")?;
         }
-        console::screen(&mut session, &args.port)?;
+        console::screen(&mut session, &args.port, &mut live)
     } else {
-        console::lines(&mut session)?;
+        console::lines(&mut session, &mut live)
+    };
+    if let Some(live) = live {
+        eprintln!("{}", live.tally());
     }
-    Ok(Outcome::Done)
+    ended.map(|()| Outcome::Done)
 }

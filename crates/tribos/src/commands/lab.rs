@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::lab_tools::HostTools;
+use client::Live;
 use lab::{Lab, Options};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -26,6 +27,9 @@ pub struct Args {
     /// Folder for recordings, experiments and reports
     #[arg(long, value_name = "DIR", default_value = "tribos-lab")]
     out: PathBuf,
+    /// Also send each sample by UDP, as JSON for PlotJuggler, e.g. 127.0.0.1:9870
+    #[arg(long, value_name = "HOST:PORT")]
+    live: Option<String>,
     /// Open the page in the browser
     #[arg(long)]
     open: bool,
@@ -48,10 +52,13 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         return Err(Failure::in_file(&args.out, "is no folder; --out takes one"));
     }
     let beyond = !args.bind.is_loopback();
+    let live = args.live.as_deref().map(Live::to).transpose()?;
+    let tally = live.as_ref().map(Live::tally);
     let options = Options {
         address: SocketAddr::new(args.bind, args.http_port),
         token: args.token.clone().or_else(|| beyond.then(lab::new_token)),
         folder: args.out.clone(),
+        live,
     };
     let tools = HostTools::new(&args.port, args.seed);
     // a port that is not there is told now, not on a page
@@ -74,6 +81,9 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     });
     let _ = end.recv();
     lab.stop();
+    if let Some(tally) = tally {
+        println!("  {tally}");
+    }
     println!("the lab is closed, force off");
     Ok(Outcome::Done)
 }

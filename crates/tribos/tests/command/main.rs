@@ -5,3 +5,4 @@ mod cli;
 mod demo;
 mod interrupt;
 mod investigate;
+mod live;
