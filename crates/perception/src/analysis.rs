@@ -198,27 +198,34 @@ pub fn throughput(trial: &TargetingTrial) -> Option<Throughput> {
             from = Some((click.position_px, click.time_s));
         }
     }
-    let n = moves.len() as f64;
-    if moves.len() < 3 {
-        return None;
+    Throughput::of(&moves, trial.metre_per_px * 1e3)
+}
+
+impl Throughput {
+    /// Of movements, each with its length, the place of its end beyond the target, and its time, s; `mm` millimetres are the
+    /// unit of length.
+    pub(crate) fn of(moves: &[(f64, f64, f64)], mm: f64) -> Option<Self> {
+        let n = moves.len() as f64;
+        if moves.len() < 3 {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| moves.iter().map(of).sum::<f64>() / n;
+        let (distance, bias, time) = (mean(&|m| m.0), mean(&|m| m.1), mean(&|m| m.2));
+        let spread = (moves.iter().map(|m| (m.1 - bias).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+        let width = 4.133 * spread;
+        if !(width > 0.0 && time > 0.0 && distance > 0.0) {
+            return None;
+        }
+        let bits = (distance / width + 1.0).log2();
+        Some(Self {
+            movements: moves.len(),
+            effective_width_mm: width * mm,
+            effective_distance_mm: distance * mm,
+            effective_bits: bits,
+            movement_s: time,
+            bits_per_s: bits / time,
+        })
     }
-    let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| moves.iter().map(of).sum::<f64>() / n;
-    let (distance, bias, time) = (mean(&|m| m.0), mean(&|m| m.1), mean(&|m| m.2));
-    let spread = (moves.iter().map(|m| (m.1 - bias).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let width = 4.133 * spread;
-    if !(width > 0.0 && time > 0.0) {
-        return None;
-    }
-    let bits = (distance / width + 1.0).log2();
-    let mm = trial.metre_per_px * 1e3;
-    Some(Throughput {
-        movements: moves.len(),
-        effective_width_mm: width * mm,
-        effective_distance_mm: distance * mm,
-        effective_bits: bits,
-        movement_s: time,
-        bits_per_s: bits / time,
-    })
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod observer;
 mod psychometric;
 mod quest;
 mod record;
+mod ring;
 mod simulate;
 mod stimulus;
 pub mod study;
@@ -33,6 +34,7 @@ pub use quest::{Belief, QuestPlus};
 pub use record::{
     Click, Experiment, ForcedChoiceTrial, Header, Record, SCHEMA, Simulated, Subject, TargetingTrial,
 };
+pub use ring::{Ring, RingCase, RingClick, RingPlan, RingTrial, Selection};
 pub use simulate::{HAND_MODEL, OBSERVER_MODEL, SimulatedSubject};
 pub use stimulus::{Resistance, Stimulus};
 pub use targeting::{Event, Targeting};

@@ -1,6 +1,7 @@
 //! Records of a session's file: a header, then one record per finished trial.
 
 use crate::forced_choice_plan::{Answer, ForcedChoicePlan, Presentation};
+use crate::ring::{RingPlan, RingTrial};
 use crate::stimulus::{Resistance, Stimulus};
 use crate::targeting_plan::{Difficulty, Segment, TargetingPlan};
 use serde::{Deserialize, Serialize};
@@ -54,6 +55,8 @@ pub enum Experiment {
     Targeting(TargetingPlan),
     /// Forced choice.
     ForcedChoice(ForcedChoicePlan),
+    /// Targeting in the plane.
+    Ring(RingPlan),
 }
 
 /// One finished trial.
@@ -64,6 +67,8 @@ pub enum Record {
     Targeting(TargetingTrial),
     /// Answer of the forced choice.
     ForcedChoice(ForcedChoiceTrial),
+    /// Circle of targets in the plane.
+    Ring(RingTrial),
 }
 
 /// A click of the targeting task.
