@@ -62,10 +62,16 @@ fn work_of_a_closed_path_is_level_times_length_and_a_field_gives_back() {
     };
     // a path of its length under friction alone
     let (level, mut work, mut path) = (1.2, 0.0, 0.0);
-    lead(&dry(level, Grain::default()), 4.0, circle, |_| Vector::default(), |_, v, felt, _| {
-        work += -felt.force.dot(v) * T;
-        path += v.norm() * T;
-    });
+    lead(
+        &dry(level, Grain::default()),
+        4.0,
+        circle,
+        |_| Vector::default(),
+        |_, v, felt, _| {
+            work += -felt.force.dot(v) * T;
+            path += v.norm() * T;
+        },
+    );
     println!("friction: {:.3} mJ over {:.3} mm: {:.4} N", 1e3 * work, 1e3 * path, work / path);
     // the block takes the inner lane of the circle
     assert!((work / (level * path) - 1.0).abs() < 0.01);
@@ -104,10 +110,16 @@ fn a_block_held_by_friction_never_moves() {
     };
     let mut most = 0.0_f64;
     // read without a velocity: the damper gives no force
-    lead(&law, 20.0, |t| (at(t), Vector::default()), |_| Vector::default(), |_, _, felt, block| {
-        assert!(felt.stuck);
-        most = most.max(block.position.norm());
-    });
+    lead(
+        &law,
+        20.0,
+        |t| (at(t), Vector::default()),
+        |_| Vector::default(),
+        |_, _, felt, block| {
+            assert!(felt.stuck);
+            most = most.max(block.position.norm());
+        },
+    );
     assert_eq!(most, 0.0);
 }
 

@@ -206,14 +206,14 @@ export function draw() {
   for (let k = Math.max(0, plane.rows.length - TRAIL); k < plane.rows.length; k += 8) pen.lineTo(s.x(plane.rows[k][1][2]), s.y(plane.rows[k][1][3]));
   pen.stroke();
   pen.globalAlpha = 1;
+  // in the task what helps to feel would be in the way
+  const task = Boolean(plane.shown.circle);
   pen.fillStyle = css("bad");
-  for (const [a, b] of plane.spots) { pen.beginPath(); pen.arc(s.x(a), s.y(b), 3, 0, 7); pen.fill(); }
+  if (!task) for (const [a, b] of plane.spots) { pen.beginPath(); pen.arc(s.x(a), s.y(b), 3, 0, 7); pen.fill(); }
   if (plane.shown.circle) targets(pen, s, plane.shown.circle);
   // forces: 4 N are as long as a third of the plane is high
   const newton = s.per * plane.shown.reach[1] / 6;
   const { edge } = surface();
-  // in the task they would be in the way
-  const task = Boolean(plane.shown.circle);
   if (edge.length && !task) {
     pen.strokeStyle = css("ink");
     pen.lineWidth = 1;

@@ -244,7 +244,8 @@ mod tests {
 
     #[test]
     fn a_page_is_never_told_which_case_differs() {
-        let task = Task::new(Experiment::ForcedChoice(perception::ForcedChoicePlan::thesis(1))).expect("a task");
+        let task =
+            Task::new(Experiment::ForcedChoice(perception::ForcedChoicePlan::thesis(1))).expect("a task");
         let text = serde_json::to_string(&Shown::new("s", &task)).expect("text");
         println!("{text}");
         assert!(!text.contains("different") && !text.contains("f_static") && !text.contains("level"));

@@ -172,8 +172,8 @@ fn bounds_of(settings: &Settings, device: &Device) -> Vec<Bound> {
             friction / bounds::friction_max(device.mass, device.damping, device.period, 1.0),
             "the handle stops instead of chattering (eq. 4.21)",
         )),
-        // it needs no speed that is taken for zero
-        haptics::RendererKind::StoppingForce => None,
+        // the others need no speed that is taken for zero
+        _ => None,
     };
     if let Some((cycle, says)) = cycle {
         all.push(Bound {

@@ -314,7 +314,9 @@ mod tests {
         // mean 0.6 mm, deviations −0.6 0.4 −1.6 2.4 −0.6: variance 9.2/4
         assert!((t.effective_width_mm - 4.133 * (9.2_f64 / 4.0).sqrt()).abs() < 1e-9);
         assert!((t.movement_s - 0.5).abs() < 1e-12 && t.movements == 5);
-        assert!((t.bits_per_s - 2.0 * (t.effective_distance_mm / t.effective_width_mm + 1.0).log2()).abs() < 1e-9);
+        assert!(
+            (t.bits_per_s - 2.0 * (t.effective_distance_mm / t.effective_width_mm + 1.0).log2()).abs() < 1e-9
+        );
         // 60 mm·cos(18°) = 57.06 mm, with what each movement inherits of the selection before
         assert!((t.effective_distance_mm - 57.06).abs() < 1.0);
         assert_eq!(task.progress(), (1, 1));

@@ -149,8 +149,7 @@ impl Plane {
                 let plan = RingPlan::new(&Surface::ALL.map(|surface| surface.name), seed);
                 let device = "the planar handle of the lab: a puck pulled by the pointer".to_owned();
                 let experiment = Experiment::Ring(plan.clone());
-                let (log, name) =
-                    session_file::create(&self.folder, "plane", &subject, device, experiment)?;
+                let (log, name) = session_file::create(&self.folder, "plane", &subject, device, experiment)?;
                 self.task = Some(Task::new(name, log, plan));
                 self.follow_task()?;
                 return Ok(true);
@@ -277,9 +276,9 @@ mod tests {
         let circle = plane.task.as_ref().expect("a task").circle();
         assert_eq!((circle.done, circle.of), (2, 3 * Surface::ALL.len()));
         assert_eq!(plane.shown().scores.len(), 2);
-        let why = plane.obey(AskPlane::Leave, clock).and_then(|_| {
-            plane.obey(AskPlane::Resume { name: "../x.jsonl".into() }, clock)
-        });
+        let why = plane
+            .obey(AskPlane::Leave, clock)
+            .and_then(|_| plane.obey(AskPlane::Resume { name: "../x.jsonl".into() }, clock));
         assert_eq!(why, Err("no session `../x.jsonl`".into()));
     }
 }

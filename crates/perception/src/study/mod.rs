@@ -7,8 +7,8 @@ pub use claims::{Claim, HARD, Shown};
 pub use tidy::tables;
 
 use crate::{
-    Counts, Difference, Experiment, Fit, LogError, Margins, Record, Resistance, RingCase, Session, Throughput,
-    counts, differences, levels, segments, throughput,
+    Counts, Difference, Experiment, Fit, LogError, Margins, Record, Resistance, RingCase, Session,
+    Throughput, counts, differences, levels, segments, throughput,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 use crate::browser::{Lab, Page, chromium};
 use friction::planar::{Grain, Vector};
 use perception::{Record, Session};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::f64::consts::TAU;
 use std::process::Command;
 use std::time::Duration;
@@ -30,7 +30,11 @@ fn choose(page: &mut Page, surface: &str) {
     page.eval(&format!("document.querySelector('#surfaces [data-name={surface}]').click()"));
     page.until("the surface", &format!("lab.plane.shown.surface === '{surface}'"), 5);
     // the puck rests: nothing of the drag before is left
-    page.until("at rest", "lab.plane.rows.slice(-50).every((row) => row[1][2] === lab.plane.rows.at(-1)[1][2])", 10);
+    page.until(
+        "at rest",
+        "lab.plane.rows.slice(-50).every((row) => row[1][2] === lab.plane.rows.at(-1)[1][2])",
+        10,
+    );
     page.eval("lab.plane.rows.length = lab.plane.spots.length = 0");
 }
 
@@ -73,7 +77,10 @@ pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
 
     // wood: 1.2 N along a grain of 0.35 rad, twice as much across it
     choose(&mut page, "wood");
-    drag(&mut page, (0..180).map(|k| TAU * f64::from(k) / 150.0).map(|a| (0.035 * a.sin(), 0.03 * (1.0 - a.cos()))));
+    drag(
+        &mut page,
+        (0..180).map(|k| TAU * f64::from(k) / 150.0).map(|a| (0.035 * a.sin(), 0.03 * (1.0 - a.cos()))),
+    );
     let all = steps(&mut page);
     let grain = Grain::at(0.35, 2.0);
     let (mut sliding, mut worst, mut veers, mut lost) = (0, 0.0_f64, 0.0_f64, 0.0);
@@ -114,7 +121,7 @@ pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
     page.picture("plane-detents");
     let work: Value = page.eval("lab.plane.work");
     println!("detents: {work}");
-    assert_eq!(work["friction"], json!(0.0));
+    assert_eq!(work["friction"].as_f64(), Some(0.0));
 
     // by keyboard
     choose(&mut page, "brass");
@@ -122,7 +129,11 @@ pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
     for _ in 0..12 {
         page.key("ArrowRight");
     }
-    page.until("the puck follows the keys", "lab.plane.rows.at(-1)[1][2] > lab.plane.rows[0][1][2] + 0.004", 5);
+    page.until(
+        "the puck follows the keys",
+        "lab.plane.rows.at(-1)[1][2] > lab.plane.rows[0][1][2] + 0.004",
+        5,
+    );
     page.key("Home");
     page.until("released", "lab.plane.target === null && lab.plane.rows.at(-1)[1][4] === 0", 5);
 }
@@ -160,10 +171,18 @@ pub fn a_circle_of_targets_is_selected_kept_and_analysed() {
         let taken = format!("lab.plane.shown.circle.selections === {}", (selection + 1) % 14);
         page.until("the selection is taken", &taken, 5);
     }
-    page.until("a circle is finished", "lab.plane.shown.circle.done === 1 && lab.plane.shown.scores.length === 1", 5);
+    page.until(
+        "a circle is finished",
+        "lab.plane.shown.circle.done === 1 && lab.plane.shown.scores.length === 1",
+        5,
+    );
     page.picture("plane-score");
     let text = page.eval("fetch(document.querySelector('#ring-file').href).then((r) => r.text())");
-    assert_eq!(text.as_str().map(|text| text.lines().count()), Some(2), "header and one circle are downloaded");
+    assert_eq!(
+        text.as_str().map(|text| text.lines().count()),
+        Some(2),
+        "header and one circle are downloaded"
+    );
     let kept = Session::read(&folder.path().join("plane-s01-1.jsonl")).expect("a session");
     let Record::Ring(trial) = &kept.records[0] else { panic!("a circle") };
     let speed = trial.throughput().expect("13 movements");
