@@ -197,36 +197,50 @@ pub fn felt(preset: &Settings) -> Vec<(RendererKind, Result<Felt, Error>)> {
     RendererKind::ALL.iter().map(one).collect()
 }
 
-/// Led by two sines, 4 mm at 1.5 Hz and 0.5 mm at 4 Hz.
+/// Led by two sines, 8 mm at 1.2 Hz and 1 mm at 4 Hz.
 fn led(settings: &Settings) -> Result<Felt, Error> {
+    /// Samples of a mean: the noise of a load cell shakes the handle, and a mass against it is not the one that is felt.
+    const MEAN: usize = 25;
+    /// Samples after a turn that belong to the break-away.
+    const AFTER: u32 = 60;
     let device = Device { delay: DELAY as f32, ..Device::default() };
     let (mass, damping, stiffness) = LEADING;
-    let sines = [(4e-3, TAU * 1.5), (0.5e-3, TAU * 4.0)];
+    let sines = [(8e-3, TAU * 1.2), (1e-3, TAU * 4.0)];
     let hand = |t: f64, x: f64, v: f64| {
         let to: f64 = sines.iter().map(|(a, w)| a * (w * t).sin()).sum();
         let speed: f64 = sines.iter().map(|(a, w)| a * w * (w * t).cos()).sum();
         stiffness * (to - x) + damping * (speed - v)
     };
-    let (mut normal, mut right, mut squares, mut n) = ([[0.0; 3]; 3], [0.0; 3], 0.0, 0.0);
-    closed::run(settings, &device, 6.0, mass, hand, |_, truth| {
-        // sliding; the turns are the break-away's
-        if truth.time > 1.0 && truth.velocity.abs() > 0.01 {
-            let row = [truth.acceleration, truth.velocity, truth.velocity.signum()];
-            for (i, into) in normal.iter_mut().enumerate() {
-                for (j, into) in into.iter_mut().enumerate() {
-                    *into += row[i] * row[j];
-                }
-                right[i] += row[i] * truth.hand_force;
-            }
-            squares += truth.hand_force * truth.hand_force;
-            n += 1.0;
+    let (mut stretch, mut since_turn) = (Vec::new(), 0_u32);
+    // rows of acceleration, velocity, direction and force
+    let (mut rows, mut means): (Vec<[f64; 4]>, Vec<[f64; 4]>) = (Vec::new(), Vec::new());
+    closed::run(settings, &device, 10.0, mass, hand, |_, truth| {
+        let v = truth.velocity;
+        since_turn = if v.abs() > 0.01 { since_turn + 1 } else { 0 };
+        if truth.time < 1.0 || since_turn <= AFTER {
+            stretch.clear();
+            return;
+        }
+        stretch.push([truth.acceleration, v, v.signum(), truth.hand_force]);
+        if stretch.len() == MEAN {
+            means.push(std::array::from_fn(|k| mean(&stretch.iter().map(|row| row[k]).collect::<Vec<_>>())));
+            rows.append(&mut stretch);
         }
     })?;
-    let found = solve(normal, right);
-    let explained: f64 = found.iter().zip(right).map(|(x, y)| x * y).sum();
-    let [mass, damping, friction] = found;
-    let rest = ((squares - explained).max(0.0) / f64::max(n, 1.0)).sqrt();
-    Ok(Felt { renderer: settings.renderer, mass, damping, friction, rest })
+    let (mut normal, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    for [a, v, way, force] in means {
+        let row = [a, v, way];
+        for (i, into) in normal.iter_mut().enumerate() {
+            for (j, into) in into.iter_mut().enumerate() {
+                *into += row[i] * row[j];
+            }
+            right[i] += row[i] * force;
+        }
+    }
+    let [mass, damping, friction] = solve(normal, right);
+    let rest: Vec<f64> =
+        rows.iter().map(|[a, v, way, force]| force - mass * a - damping * v - friction * way).collect();
+    Ok(Felt { renderer: settings.renderer, mass, damping, friction, rest: rms(&rest) })
 }
 
 /// Solution of three normal equations, by Cramer's rule.

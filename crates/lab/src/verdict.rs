@@ -125,7 +125,7 @@ fn tighten(settings: &Settings, device: &Device, name: &str, limit: f64) -> f64 
 fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> Shown {
     let choices: Vec<&'static str> = match p.name {
         "law" => haptics::LawKind::ALL.iter().map(|law| law.id()).collect(),
-        "renderer" => haptics::RendererKind::ALL.iter().map(|renderer| renderer.id()).collect(),
+        "renderer" => haptics::RendererKind::ON_BOARD.iter().map(|renderer| renderer.id()).collect(),
         "passivity" => vec!["off", "on"],
         _ => Vec::new(),
     };

@@ -219,7 +219,7 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
     );
     println!();
     print!("{}", felt_table(&felt));
-    println!("  fitted to the force of a hand that leads the handle by 4 mm at 1.5 Hz and 0.5 mm at 4 Hz");
+    println!("  fitted to the force of a hand that leads the handle by 8 mm at 1.2 Hz and 1 mm at 4 Hz");
     println!();
     let mut table =
         Table::new(&["renderer", "passivity", ">accepted, stable", ">come to rest, %", ">give no energy, %"]);
