@@ -1,7 +1,7 @@
 //! Analysis of the targeting task: each subject against its own baseline, and throughput [iso-9241-411, annex B].
 
 use crate::log::Session;
-use crate::record::{Record, TargetingTrial};
+use crate::record::{Record, RingTrial, TargetingTrial};
 use crate::stimulus::Resistance;
 use crate::targeting_plan::TABLE_5_1;
 use serde::Serialize;
@@ -225,6 +225,30 @@ impl Throughput {
             movement_s: time,
             bits_per_s: bits / time,
         })
+    }
+}
+
+impl RingTrial {
+    /// Throughput with the effective width [iso-9241-411, annex B]: the spread of the selections along each movement, which
+    /// is the line between the centres of two targets. `None` with fewer than three movements, or without spread.
+    #[must_use]
+    pub fn throughput(&self) -> Option<Throughput> {
+        let moves: Vec<(f64, f64, f64)> = self
+            .clicks
+            .windows(2)
+            .map(|pair| {
+                let [from, to] = pair else { unreachable!("windows of two") };
+                let (x, y) = (to.target_x_m - from.target_x_m, to.target_y_m - from.target_y_m);
+                let length = x.hypot(y);
+                let along = |dx: f64, dy: f64| (dx * x + dy * y) / length;
+                (
+                    along(to.x_m - from.x_m, to.y_m - from.y_m),
+                    along(to.x_m - to.target_x_m, to.y_m - to.target_y_m),
+                    to.time_s - from.time_s,
+                )
+            })
+            .collect();
+        Throughput::of(&moves, 1e3)
     }
 }
 
