@@ -308,7 +308,7 @@ mod tests {
                 RendererKind::VirtualCoupling => {
                     assert!(with.rests.abs_diff(without.rests) <= with.accepted / 50)
                 }
-                // its handle follows a block that hears the noise of the load cell: a brake on the handle stops neither
+                // the noise of the load cell moves its block, and more often with the controller: docs/benchmarks.md
                 RendererKind::Admittance => {}
                 _ => assert!(with.rests >= without.rests),
             }
