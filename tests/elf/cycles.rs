@@ -30,12 +30,12 @@ fn handled() -> Board {
 pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
     let mut board = handled();
     board.ok("stream on");
-    let renderers: String = RendererKind::ALL.iter().map(|r| format!("{:>18}", r.id())).collect();
+    let renderers: String = RendererKind::ON_BOARD.iter().map(|r| format!("{:>18}", r.id())).collect();
     println!("{:40}{renderers}", "control interrupt, cycles: mean (worst)");
     for law in LawKind::ALL {
         board.ok(&format!("set law {}", law.id()));
         let mut row = format!("{:40}", law.id());
-        for renderer in RendererKind::ALL {
+        for renderer in RendererKind::ON_BOARD {
             board.ok(&format!("set renderer {}", renderer.id()));
             board.ok("render on");
             board.run(20.0);
@@ -93,7 +93,7 @@ pub fn cycles_of_the_passivity_controller() {
     println!("{:36} {:>6} {:>6} {:>6}", "control interrupt, cycles at worst:", "off", "on", "listed");
     for law in LawKind::ALL {
         board.ok(&format!("set law {}", law.id()));
-        for renderer in RendererKind::ALL {
+        for renderer in RendererKind::ON_BOARD {
             board.ok(&format!("set renderer {}", renderer.id()));
             let [off, on] = ["off", "on"].map(|switch| {
                 board.ok(&format!("set passivity {switch}"));
@@ -151,7 +151,7 @@ pub fn cycles_of_every_effect() {
 pub fn the_longest_allowed_step_is_not_late() {
     let mut board = Board::ready();
     board.machine.set_hand(|t: f64, x: f64, v: f64| 8.0 * (9.0 * t).sin() - 900.0 * x - 10.0 * v);
-    for renderer in RendererKind::ALL {
+    for renderer in RendererKind::ON_BOARD {
         board.ok("preset use rubber");
         for (name, value) in [
             ("f_static", "3.5"),

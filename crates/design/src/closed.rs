@@ -74,12 +74,16 @@ pub(crate) fn run(
     let mut sensors = rig.sensors();
     let mut period = 0_u32;
     while rig.truth().time < seconds {
+        // the rig takes the actuator for a part of the hand: the load cell does not carry it
+        let code = f64::from(sensors.load_code) + held.now / f64::from(device.load.unit_per_code);
+        sensors.load_code = code.round() as u16;
         let out = control.step((period == 5).then_some(&Request::Render(true)), &inputs(&sensors));
         period += 1;
         if let Some(kind) = out.fault {
             return Err(Error::LetGo(kind));
         }
-        see(&out, &rig.truth());
+        let truth = rig.truth();
+        see(&out, &Truth { hand_force: truth.hand_force - held.now, ..truth });
         (held.before, held.now, held.began) = (held.now, f64::from(out.force), rig.truth().time);
         sensors = rig.tick(0.0, &mut held);
     }

@@ -4,6 +4,7 @@
 use crate::closed::{self, DELAY};
 use haptics::bounds::{ClosedLoop, Grasp};
 use haptics::{Device, LawKind, RendererKind, Settings};
+use plant::RigConfig;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -122,6 +123,9 @@ impl Point {
             RendererKind::Impedance => 0.0,
             RendererKind::VirtualCoupling => closed.radius_sliding(self.mass),
             RendererKind::StoppingForce => closed.radius_sliding_stopping_force(self.mass),
+            RendererKind::Admittance => {
+                closed.radius_admittance(self.mass, RigConfig::free_handle().handle_mass)
+            }
         })
     }
 
@@ -285,7 +289,7 @@ mod tests {
             match renderer {
                 RendererKind::StoppingForce => assert_eq!((t.cycles, t.let_go), (0, 0)),
                 RendererKind::VirtualCoupling => assert!(t.cycles > t.accepted / 50),
-                RendererKind::Impedance => {}
+                RendererKind::Impedance | RendererKind::Admittance => {}
             }
         }
     }
@@ -304,6 +308,8 @@ mod tests {
                 RendererKind::VirtualCoupling => {
                     assert!(with.rests.abs_diff(without.rests) <= with.accepted / 50)
                 }
+                // the noise of the load cell moves its block, and more often with the controller: docs/benchmarks.md
+                RendererKind::Admittance => {}
                 _ => assert!(with.rests >= without.rests),
             }
         }

@@ -53,6 +53,7 @@ pub fn grid_map(outcomes: &[Outcome]) -> Result<String, DrawError> {
             RendererKind::Impedance => "table 4-1 (impedance)",
             RendererKind::VirtualCoupling => "virtual coupling (4.22-4.24)",
             RendererKind::StoppingForce => "stopping force",
+            RendererKind::Admittance => "admittance",
         }
         .into(),
         axes: ["coupling stiffness K, N/m", "block mass M, kg"],

@@ -11,8 +11,10 @@ pub struct Measured {
     pub renderer: RendererKind,
     /// With the passivity observer and controller.
     pub passivity: bool,
-    /// rms difference to the law at the true velocity while sliding at 20 mm/s, N.
+    /// rms difference of the rendered friction to the law at the true velocity while sliding at 20 mm/s, N.
     pub sliding_error: f64,
+    /// Mean difference of the force of the hand to the law meanwhile, N: what the device itself adds.
+    pub felt_error: f64,
     /// Force at which a slowly growing push moves what rubs, less the static friction, N.
     pub break_away_error: f64,
     /// Drift of the handle under a hand that presses and holds still, m/s.
@@ -48,10 +50,12 @@ pub fn measure(preset: &Settings) -> Result<Vec<Measured>, Error> {
 fn one(settings: &Settings) -> Result<Measured, Error> {
     let device = Device { delay: DELAY as f32, ..Device::default() };
     let (creep, noise) = at_rest(settings, &device)?;
+    let (sliding_error, felt_error) = sliding(settings, &device)?;
     Ok(Measured {
         renderer: settings.renderer,
         passivity: settings.passivity,
-        sliding_error: sliding(settings, &device)?,
+        sliding_error,
+        felt_error,
         break_away_error: break_away(settings, &device)?,
         creep,
         noise,
@@ -59,8 +63,8 @@ fn one(settings: &Settings) -> Result<Measured, Error> {
     })
 }
 
-/// Led to and fro at 20 mm/s.
-fn sliding(settings: &Settings, device: &Device) -> Result<f64, Error> {
+/// Led to and fro at 20 mm/s: rms error of what is rendered, mean error of what is felt, N.
+fn sliding(settings: &Settings, device: &Device) -> Result<(f64, f64), Error> {
     const SPEED: f64 = 0.02;
     const LENGTH: f64 = 0.02;
     let (mass, damping, stiffness) = LEADING;
@@ -69,7 +73,7 @@ fn sliding(settings: &Settings, device: &Device) -> Result<f64, Error> {
         if along < LENGTH { (along - 0.5 * LENGTH, SPEED) } else { (1.5 * LENGTH - along, -SPEED) }
     };
     let wide = |x: f32| f64::from(x);
-    let mut errors = Vec::new();
+    let (mut errors, mut felt) = (Vec::new(), Vec::new());
     let hand = |t, x, v| {
         let (to, speed) = path(t);
         // taken to the start of the path first
@@ -86,10 +90,13 @@ fn sliding(settings: &Settings, device: &Device) -> Result<f64, Error> {
             } else {
                 -wide(settings.f_dynamic_n) + wide(settings.damping_n) * v
             };
-            errors.push(-wide(out.force) - law);
+            // the force of a handle that follows is not that of the friction
+            let follows = settings.renderer == RendererKind::Admittance;
+            errors.push(if follows { wide(out.friction) } else { -wide(out.force) } - law);
+            felt.push((truth.hand_force - law) * v.signum());
         }
     })?;
-    Ok(rms(&errors))
+    Ok((rms(&errors), mean(&felt)))
 }
 
 /// Pushed by 0.5 N more every second.
@@ -167,6 +174,90 @@ fn trembling(settings: &Settings, device: &Device) -> Result<f64, Error> {
     Ok(given / (2.0 * HZ))
 }
 
+/// What a hand finds that leads the handle to and fro.
+#[derive(Debug, Clone, Copy)]
+pub struct Felt {
+    /// Which renderer.
+    pub renderer: RendererKind,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Damping, N·s/m.
+    pub damping: f64,
+    /// Friction, N.
+    pub friction: f64,
+    /// rms of what these three leave of the force, N.
+    pub rest: f64,
+}
+
+/// What is felt of this block under every renderer: mass, damping and friction fitted to the force of the hand. The reason
+/// where the device refuses it or lets go.
+#[must_use]
+pub fn felt(preset: &Settings) -> Vec<(RendererKind, Result<Felt, Error>)> {
+    let one = |&renderer| (renderer, led(&Settings { renderer, ..*preset }));
+    RendererKind::ALL.iter().map(one).collect()
+}
+
+/// Led by two sines, 8 mm at 1.2 Hz and 1 mm at 4 Hz.
+fn led(settings: &Settings) -> Result<Felt, Error> {
+    /// Samples of a mean: the noise of a load cell shakes the handle, and a mass against it is not the one that is felt.
+    const MEAN: usize = 25;
+    /// Samples after a turn that belong to the break-away.
+    const AFTER: u32 = 60;
+    let device = Device { delay: DELAY as f32, ..Device::default() };
+    let (mass, damping, stiffness) = LEADING;
+    let sines = [(8e-3, TAU * 1.2), (1e-3, TAU * 4.0)];
+    let hand = |t: f64, x: f64, v: f64| {
+        let to: f64 = sines.iter().map(|(a, w)| a * (w * t).sin()).sum();
+        let speed: f64 = sines.iter().map(|(a, w)| a * w * (w * t).cos()).sum();
+        stiffness * (to - x) + damping * (speed - v)
+    };
+    let (mut stretch, mut since_turn) = (Vec::new(), 0_u32);
+    // rows of acceleration, velocity, direction and force
+    let (mut rows, mut means): (Vec<[f64; 4]>, Vec<[f64; 4]>) = (Vec::new(), Vec::new());
+    closed::run(settings, &device, 10.0, mass, hand, |_, truth| {
+        let v = truth.velocity;
+        since_turn = if v.abs() > 0.01 { since_turn + 1 } else { 0 };
+        if truth.time < 1.0 || since_turn <= AFTER {
+            stretch.clear();
+            return;
+        }
+        stretch.push([truth.acceleration, v, v.signum(), truth.hand_force]);
+        if stretch.len() == MEAN {
+            means.push(std::array::from_fn(|k| mean(&stretch.iter().map(|row| row[k]).collect::<Vec<_>>())));
+            rows.append(&mut stretch);
+        }
+    })?;
+    let (mut normal, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    for [a, v, way, force] in means {
+        let row = [a, v, way];
+        for (i, into) in normal.iter_mut().enumerate() {
+            for (j, into) in into.iter_mut().enumerate() {
+                *into += row[i] * row[j];
+            }
+            right[i] += row[i] * force;
+        }
+    }
+    let [mass, damping, friction] = solve(normal, right);
+    let rest: Vec<f64> =
+        rows.iter().map(|[a, v, way, force]| force - mass * a - damping * v - friction * way).collect();
+    Ok(Felt { renderer: settings.renderer, mass, damping, friction, rest: rms(&rest) })
+}
+
+/// Solution of three normal equations, by Cramer's rule.
+fn solve(a: [[f64; 3]; 3], b: [f64; 3]) -> [f64; 3] {
+    let det = |m: [[f64; 3]; 3]| {
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    };
+    std::array::from_fn(|column| {
+        let mut with = a;
+        for (row, value) in with.iter_mut().zip(b) {
+            row[column] = value;
+        }
+        det(with) / det(a)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -175,7 +266,8 @@ mod tests {
     fn passivity_control_takes_what_a_trembling_hand_was_given() {
         // [thesis, table 5-3] is beyond the passivity bound of [colgate-1997]: b < KT/2 + B
         let rows = measure(&Settings::forced_choice()).expect("accepted");
-        for pair in rows.chunks(2) {
+        let held_by_a_coupling = |m: &&[Measured]| m[0].renderer != RendererKind::Admittance;
+        for pair in rows.chunks(2).filter(held_by_a_coupling) {
             let (off, on) = (&pair[0], &pair[1]);
             println!(
                 "{:17} {:+.3} µJ a cycle without, {:+.3} with",
@@ -190,6 +282,33 @@ mod tests {
                 (on.break_away_error - off.break_away_error).abs() < 0.02 && on.noise <= off.noise + 1e-4
             );
             assert!((on.sliding_error - off.sliding_error).abs() < 2e-3);
+        }
+    }
+
+    #[test]
+    fn through_the_load_cell_a_hand_feels_the_block_without_the_device() {
+        // 0.692 kg and 6.92 N·s/m are the device's, 0.05 kg of it between hand and cell
+        let block = Settings {
+            mass: 0.1,
+            f_static_p: 0.3,
+            f_static_n: 0.3,
+            f_dynamic_p: 0.3,
+            f_dynamic_n: 0.3,
+            damping_p: 0.0,
+            damping_n: 0.0,
+            dv: 0.01,
+            ..Settings::brass()
+        };
+        for (renderer, felt) in felt(&block) {
+            let felt = felt.expect("accepted");
+            println!("{:17} {felt:?}", renderer.id());
+            let (mass, damping) = match renderer {
+                RendererKind::Impedance => (0.692, 6.92),
+                RendererKind::VirtualCoupling | RendererKind::StoppingForce => (0.792, 6.92),
+                RendererKind::Admittance => (0.15, 0.0),
+            };
+            assert!((felt.mass - mass).abs() < 0.03 && (felt.damping - damping).abs() < 1.0);
+            assert!((felt.friction - 0.3).abs() < 0.06);
         }
     }
 }

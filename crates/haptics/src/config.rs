@@ -67,7 +67,7 @@ impl Config {
         Self {
             device: *device,
             renderer: settings.renderer,
-            law: settings.friction_law(),
+            law: settings.rendered_law(),
             effects: settings.effects,
             kinds: settings.effects.map(|effect| effect.map(|effect| effect.kind)),
             has_effects: settings.effects.iter().any(Option::is_some),

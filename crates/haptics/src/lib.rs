@@ -30,6 +30,7 @@ mod mode_id;
 pub mod monitor;
 pub mod number;
 mod passivity;
+pub mod planar;
 mod presets;
 mod probe;
 pub mod renderer;

@@ -381,6 +381,9 @@ pub fn step(config: &Config, state: &mut State, request: Option<&Request>, input
         position: counts as f32 * device.metre_per_count,
         velocity: state.estimator.counts_per_tick() * config.metre_per_second,
         displacement: state.estimator.step() as f32 * device.metre_per_count,
+        // the cell shows the reaction
+        #[cfg(feature = "admittance")]
+        push: -device.load.to_si(inputs.load_code),
     };
     if core::mem::take(&mut state.reconfigured) {
         state.take_up(config, inputs, &handle);

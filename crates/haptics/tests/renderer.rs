@@ -9,7 +9,7 @@ use rig::{COUNT, Rig, T, control, render};
 fn contacts() -> Vec<(String, Settings)> {
     let mut all = Vec::new();
     for &law in LawKind::ALL {
-        for &renderer in RendererKind::ALL {
+        for &renderer in RendererKind::ON_BOARD {
             let settings = Settings {
                 law,
                 renderer,

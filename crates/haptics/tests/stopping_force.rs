@@ -164,7 +164,7 @@ fn a_closed_path_only_takes_work() {
         let (config, device) = (built(&settings), Device::default());
         let x = |t: f64| 4e-3 * (rate * t).sin() + 1e-3 * (3.0 * rate * t).sin();
         let v = |t: f64| rate * (4e-3 * (rate * t).cos() + 3e-3 * (3.0 * rate * t).cos());
-        let at = |t: f64| Handle { position: x(t) as f32, velocity: v(t) as f32, displacement: 0.0 };
+        let at = |t: f64| Handle { position: x(t) as f32, velocity: v(t) as f32, ..Handle::default() };
         let mut contact = Contact::new(&config, &at(0.0));
         let period = std::f64::consts::TAU / rate;
         let (mut work, mut least, mut cycle, mut cycles) = (0.0, f64::INFINITY, 1.0, 0);

@@ -4,6 +4,7 @@ import * as bench from "./bench.js";
 import * as controls from "./controls.js";
 import { Handle } from "./handle.js";
 import { Loop } from "./loop.js";
+import * as planar from "./plane.js";
 import { Ring } from "./ring.js";
 import { Scope } from "./scope.js";
 import * as tests from "./try.js";
@@ -78,6 +79,7 @@ function tabs() {
       other.tabIndex = on ? 0 : -1;
       $(other.getAttribute("aria-controls")).hidden = !on;
     }
+    planar.show(tab.id === "tab-plane");
   };
   all.forEach((tab, k) => {
     tab.addEventListener("click", () => choose(tab));
@@ -130,6 +132,7 @@ function frame(now) {
     loop.draw(scope.range());
   }
   handle.draw();
+  planar.draw();
   tests.draw();
   requestAnimationFrame(frame);
 }
@@ -159,10 +162,11 @@ tabs();
 keys();
 controls.start();
 bench.start();
+planar.start();
 tests.start(ring);
 connect();
 setInterval(health, 250);
 requestAnimationFrame(frame);
 
 // for tests, which check the drawing sample by sample
-globalThis.lab = { ring, scope, wire, stage: tests.stage, get known() { return known; } };
+globalThis.lab = { ring, scope, wire, stage: tests.stage, plane: planar.plane, get known() { return known; } };

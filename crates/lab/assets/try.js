@@ -1,5 +1,6 @@
 // The experiments in full screen. The server decides the next trial and its stimulus.
 
+import { resume } from "./plane.js";
 import { css } from "./scope.js";
 import { wire } from "./wire.js";
 
@@ -38,7 +39,7 @@ function sessions(list) {
   if (table.dataset.key === key) return;
   table.dataset.key = key;
   table.hidden = !list.length;
-  table.tBodies[0].replaceChildren(...list.map(({ name, subject, done, of }) => {
+  table.tBodies[0].replaceChildren(...list.map(({ name, kind, subject, done, of }) => {
     const tr = document.createElement("tr");
     const a = document.createElement("a");
     a.href = `/recordings/${encodeURIComponent(name)}`;
@@ -59,7 +60,7 @@ function sessions(list) {
       const button = document.createElement("button");
       button.type = "button";
       button.textContent = "Go on";
-      button.addEventListener("click", () => { fullScreen(); wire.ask({ do: "resume", name }); });
+      button.addEventListener("click", () => { if (kind === "plane") return resume(name); fullScreen(); wire.ask({ do: "resume", name }); });
       last.append(button);
     }
     tr.append(...cells, last);

@@ -50,6 +50,8 @@ pub(crate) enum ToBench {
     Left(u64),
     /// A page asks.
     Asked(Ask),
+    /// The folder has another session.
+    Sessions,
     /// Job progress.
     Progress(f32, String),
     /// Result of a job.
@@ -247,6 +249,7 @@ impl Bench {
                     self.abandoned();
                 }
                 Ok(ToBench::Asked(ask)) => self.asked(ask),
+                Ok(ToBench::Sessions) => self.list_sessions(),
                 Ok(ToBench::Progress(share, says)) => {
                     self.shared.known(|known| {
                         if let Some(job) = &mut known.job {

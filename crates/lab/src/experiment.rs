@@ -15,23 +15,36 @@ pub enum Task {
 }
 
 impl Task {
-    /// From the beginning.
+    /// From the beginning; None for a task without a device.
     #[must_use]
-    pub fn new(experiment: Experiment) -> Self {
+    pub fn new(experiment: Experiment) -> Option<Self> {
         match experiment {
-            Experiment::Targeting(plan) => Self::Targeting(Targeting::new(plan)),
-            Experiment::ForcedChoice(plan) => Self::Choice(ForcedChoice::new(plan)),
+            Experiment::Targeting(plan) => Some(Self::Targeting(Targeting::new(plan))),
+            Experiment::ForcedChoice(plan) => Some(Self::Choice(ForcedChoice::new(plan))),
+            Experiment::Ring(_) => None,
         }
     }
 
-    /// From where a file ends.
+    /// From where a file ends; None for a task without a device.
     #[must_use]
-    pub fn resume(session: &Session) -> Self {
+    pub fn resume(session: &Session) -> Option<Self> {
         match &session.header.experiment {
-            Experiment::Targeting(plan) => Self::Targeting(Targeting::resume(plan.clone(), &session.records)),
-            Experiment::ForcedChoice(plan) => {
-                Self::Choice(ForcedChoice::resume(plan.clone(), &session.records))
+            Experiment::Targeting(plan) => {
+                Some(Self::Targeting(Targeting::resume(plan.clone(), &session.records)))
             }
+            Experiment::ForcedChoice(plan) => {
+                Some(Self::Choice(ForcedChoice::resume(plan.clone(), &session.records)))
+            }
+            Experiment::Ring(_) => None,
+        }
+    }
+
+    /// `targeting` or `forced_choice`.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Targeting(_) => "targeting",
+            Self::Choice(_) => "forced_choice",
         }
     }
 
@@ -59,7 +72,7 @@ impl Task {
 pub struct Begun {
     /// File name.
     pub name: String,
-    /// `targeting` or `forced_choice`.
+    /// `targeting`, `forced_choice` or `plane`.
     pub kind: &'static str,
     /// Label of the subject.
     pub subject: String,
@@ -75,11 +88,11 @@ impl Begun {
     pub fn read(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?.to_owned();
         let session = Session::read(path).ok()?;
-        let task = Task::resume(&session);
-        let (done, of) = task.progress();
-        let kind = match task {
-            Task::Targeting(_) => "targeting",
-            Task::Choice(_) => "forced_choice",
+        let ((done, of), kind) = match (&session.header.experiment, Task::resume(&session)) {
+            (Experiment::Ring(plan), _) => {
+                (perception::Ring::resume(plan.clone(), &session.records).progress(), "plane")
+            }
+            (_, task) => task.map(|task| (task.progress(), task.kind()))?,
         };
         Some(Self { name, kind, subject: session.header.subject.id, done, of })
     }
@@ -231,7 +244,8 @@ mod tests {
 
     #[test]
     fn a_page_is_never_told_which_case_differs() {
-        let task = Task::new(Experiment::ForcedChoice(perception::ForcedChoicePlan::thesis(1)));
+        let task =
+            Task::new(Experiment::ForcedChoice(perception::ForcedChoicePlan::thesis(1))).expect("a task");
         let text = serde_json::to_string(&Shown::new("s", &task)).expect("text");
         println!("{text}");
         assert!(!text.contains("different") && !text.contains("f_static") && !text.contains("level"));

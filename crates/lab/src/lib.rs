@@ -21,8 +21,10 @@ pub mod guard;
 pub mod known;
 pub mod message;
 mod orders;
+pub mod plane;
 pub mod say;
 mod server;
+mod session_file;
 pub mod tools;
 pub mod verdict;
 

@@ -1,5 +1,6 @@
 //! Requests of a page. Anything else is refused and changes nothing.
 
+use crate::plane::AskPlane;
 use serde::Deserialize;
 
 /// Longest message from a page, bytes.
@@ -135,6 +136,11 @@ pub enum Ask {
     },
     /// Closes the session; what is finished stays.
     Leave,
+    /// About the planar handle of this page; it needs no device.
+    Plane {
+        /// What.
+        ask: AskPlane,
+    },
     /// For the delay between page and server.
     Ping {
         /// Comes back as it is.

@@ -1,6 +1,7 @@
 //! Messages to the pages.
 
 use crate::known::Known;
+use crate::plane::{Row, Shown, Work};
 use crate::verdict::Verdict;
 use serde::Serialize;
 
@@ -41,6 +42,15 @@ pub enum Say<'a> {
         id: u32,
         /// What validation says.
         verdict: Verdict,
+    },
+    /// The plane of this page: surfaces and task.
+    Plane(Shown<'a>),
+    /// Every step of the puck since the last message.
+    Puck {
+        /// The steps.
+        rows: &'a [Row],
+        /// Energy since the surface was chosen.
+        work: Work,
     },
     /// Batches this page was too slow for.
     Skipped {

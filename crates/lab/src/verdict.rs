@@ -125,7 +125,7 @@ fn tighten(settings: &Settings, device: &Device, name: &str, limit: f64) -> f64 
 fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> Shown {
     let choices: Vec<&'static str> = match p.name {
         "law" => haptics::LawKind::ALL.iter().map(|law| law.id()).collect(),
-        "renderer" => haptics::RendererKind::ALL.iter().map(|renderer| renderer.id()).collect(),
+        "renderer" => haptics::RendererKind::ON_BOARD.iter().map(|renderer| renderer.id()).collect(),
         "passivity" => vec!["off", "on"],
         _ => Vec::new(),
     };
@@ -172,8 +172,8 @@ fn bounds_of(settings: &Settings, device: &Device) -> Vec<Bound> {
             friction / bounds::friction_max(device.mass, device.damping, device.period, 1.0),
             "the handle stops instead of chattering (eq. 4.21)",
         )),
-        // it needs no speed that is taken for zero
-        haptics::RendererKind::StoppingForce => None,
+        // the others need no speed that is taken for zero
+        _ => None,
     };
     if let Some((cycle, says)) = cycle {
         all.push(Bound {

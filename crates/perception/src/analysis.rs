@@ -1,7 +1,7 @@
 //! Analysis of the targeting task: each subject against its own baseline, and throughput [iso-9241-411, annex B].
 
 use crate::log::Session;
-use crate::record::{Record, TargetingTrial};
+use crate::record::{Record, RingTrial, TargetingTrial};
 use crate::stimulus::Resistance;
 use crate::targeting_plan::TABLE_5_1;
 use serde::Serialize;
@@ -198,27 +198,58 @@ pub fn throughput(trial: &TargetingTrial) -> Option<Throughput> {
             from = Some((click.position_px, click.time_s));
         }
     }
-    let n = moves.len() as f64;
-    if moves.len() < 3 {
-        return None;
+    Throughput::of(&moves, trial.metre_per_px * 1e3)
+}
+
+impl Throughput {
+    /// Of movements, each with its length, the place of its end beyond the target, and its time, s; `mm` millimetres are the
+    /// unit of length.
+    pub(crate) fn of(moves: &[(f64, f64, f64)], mm: f64) -> Option<Self> {
+        let n = moves.len() as f64;
+        if moves.len() < 3 {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| moves.iter().map(of).sum::<f64>() / n;
+        let (distance, bias, time) = (mean(&|m| m.0), mean(&|m| m.1), mean(&|m| m.2));
+        let spread = (moves.iter().map(|m| (m.1 - bias).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+        let width = 4.133 * spread;
+        if !(width > 0.0 && time > 0.0 && distance > 0.0) {
+            return None;
+        }
+        let bits = (distance / width + 1.0).log2();
+        Some(Self {
+            movements: moves.len(),
+            effective_width_mm: width * mm,
+            effective_distance_mm: distance * mm,
+            effective_bits: bits,
+            movement_s: time,
+            bits_per_s: bits / time,
+        })
     }
-    let mean = |of: &dyn Fn(&(f64, f64, f64)) -> f64| moves.iter().map(of).sum::<f64>() / n;
-    let (distance, bias, time) = (mean(&|m| m.0), mean(&|m| m.1), mean(&|m| m.2));
-    let spread = (moves.iter().map(|m| (m.1 - bias).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let width = 4.133 * spread;
-    if !(width > 0.0 && time > 0.0) {
-        return None;
+}
+
+impl RingTrial {
+    /// Throughput with the effective width [iso-9241-411, annex B]: the spread of the selections along each movement, which
+    /// is the line between the centres of two targets. `None` with fewer than three movements, or without spread.
+    #[must_use]
+    pub fn throughput(&self) -> Option<Throughput> {
+        let moves: Vec<(f64, f64, f64)> = self
+            .clicks
+            .windows(2)
+            .map(|pair| {
+                let [from, to] = pair else { unreachable!("windows of two") };
+                let (x, y) = (to.target_x_m - from.target_x_m, to.target_y_m - from.target_y_m);
+                let length = x.hypot(y);
+                let along = |dx: f64, dy: f64| (dx * x + dy * y) / length;
+                (
+                    along(to.x_m - from.x_m, to.y_m - from.y_m),
+                    along(to.x_m - to.target_x_m, to.y_m - to.target_y_m),
+                    to.time_s - from.time_s,
+                )
+            })
+            .collect();
+        Throughput::of(&moves, 1e3)
     }
-    let bits = (distance / width + 1.0).log2();
-    let mm = trial.metre_per_px * 1e3;
-    Some(Throughput {
-        movements: moves.len(),
-        effective_width_mm: width * mm,
-        effective_distance_mm: distance * mm,
-        effective_bits: bits,
-        movement_s: time,
-        bits_per_s: bits / time,
-    })
 }
 
 #[cfg(test)]

@@ -12,6 +12,8 @@ mod observer;
 mod psychometric;
 mod quest;
 mod record;
+mod ring;
+mod ring_plan;
 mod simulate;
 mod stimulus;
 pub mod study;
@@ -31,8 +33,11 @@ pub use observer::Observer;
 pub use psychometric::{AT_JND, GUESS, Psychometric};
 pub use quest::{Belief, QuestPlus};
 pub use record::{
-    Click, Experiment, ForcedChoiceTrial, Header, Record, SCHEMA, Simulated, Subject, TargetingTrial,
+    Click, Experiment, ForcedChoiceTrial, Header, Record, RingClick, RingTrial, SCHEMA, Simulated, Subject,
+    TargetingTrial,
 };
+pub use ring::{Ring, Selection};
+pub use ring_plan::{RingCase, RingPlan};
 pub use simulate::{HAND_MODEL, OBSERVER_MODEL, SimulatedSubject};
 pub use stimulus::{Resistance, Stimulus};
 pub use targeting::{Event, Targeting};

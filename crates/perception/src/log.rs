@@ -136,6 +136,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Session, LogError> {
     let checked = match &header.experiment {
         Experiment::Targeting(plan) => plan.validate(),
         Experiment::ForcedChoice(plan) => plan.validate(),
+        Experiment::Ring(plan) => plan.validate(),
     };
     checked.map_err(|why| wrong(1, why))?;
     let mut records = Vec::new();
@@ -146,6 +147,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Session, LogError> {
             (&header.experiment, &record),
             (Experiment::Targeting(_), Record::Targeting(_))
                 | (Experiment::ForcedChoice(_), Record::ForcedChoice(_))
+                | (Experiment::Ring(_), Record::Ring(_))
         );
         if !fits {
             return Err(wrong(k + 2, "a trial of another experiment than the header's".into()));

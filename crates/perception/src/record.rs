@@ -1,6 +1,7 @@
 //! Records of a session's file: a header, then one record per finished trial.
 
 use crate::forced_choice_plan::{Answer, ForcedChoicePlan, Presentation};
+use crate::ring_plan::{RingCase, RingPlan};
 use crate::stimulus::{Resistance, Stimulus};
 use crate::targeting_plan::{Difficulty, Segment, TargetingPlan};
 use serde::{Deserialize, Serialize};
@@ -54,6 +55,8 @@ pub enum Experiment {
     Targeting(TargetingPlan),
     /// Forced choice.
     ForcedChoice(ForcedChoicePlan),
+    /// Targeting in the plane.
+    Ring(RingPlan),
 }
 
 /// One finished trial.
@@ -64,6 +67,8 @@ pub enum Record {
     Targeting(TargetingTrial),
     /// Answer of the forced choice.
     ForcedChoice(ForcedChoiceTrial),
+    /// Circle of targets in the plane.
+    Ring(RingTrial),
 }
 
 /// A click of the targeting task.
@@ -183,4 +188,39 @@ impl ForcedChoiceTrial {
             trajectory: None,
         }
     }
+}
+
+/// A selection of the targeting task in the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RingClick {
+    /// Time since the first target was hit, s.
+    pub time_s: f64,
+    /// m from the centre of the circle.
+    pub x_m: f64,
+    /// m from the centre of the circle.
+    pub y_m: f64,
+    /// Centre of the target, m.
+    pub target_x_m: f64,
+    /// Centre of the target, m.
+    pub target_y_m: f64,
+    /// Whether it was inside.
+    pub hit: bool,
+}
+
+/// A finished circle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RingTrial {
+    /// Number of the circle from 1.
+    pub number: usize,
+    /// Circle and surface.
+    #[serde(flatten)]
+    pub case: RingCase,
+    /// Index of difficulty, bits.
+    pub id_bits: f64,
+    /// Number of selections that missed.
+    pub errors: usize,
+    /// Time from the first target to the last, s.
+    pub completion_s: f64,
+    /// Every selection. The first hit its target and begins the time.
+    pub clicks: Vec<RingClick>,
 }

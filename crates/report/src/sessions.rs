@@ -4,7 +4,7 @@ use crate::escape::escape;
 use crate::page::Page;
 use crate::picture::DrawError;
 use crate::sessions_pictures::{psychometric_curves, quadrants};
-use perception::study::{Analysis, POOLED, Shown, mean_throughput};
+use perception::study::{Analysis, POOLED, Shown, mean_throughput, surfaces};
 use perception::{Count, Counts, Resistance, Threshold};
 use std::fmt::Write;
 
@@ -44,6 +44,14 @@ pub fn sessions(analysis: &Analysis) -> Result<String, DrawError> {
     }
     if !analysis.counts.is_empty() {
         targeting(analysis, &mut page)?;
+    }
+    if !analysis.rings.is_empty() {
+        page.heading("Targeting in the plane");
+        page.html("<p>Mean over subjects and circles (ISO 9241-411).</p>");
+        let rows = surfaces(analysis).into_iter().map(|(surface, bits, width)| {
+            vec![surface.to_owned(), format!("{bits:.2}"), format!("{width:.2}")]
+        });
+        page.html(table(&["surface", "bit/s", "effective width, mm"], rows));
     }
     if !analysis.psychometric.is_empty() {
         forced_choice(analysis, &mut page)?;

@@ -131,6 +131,52 @@ impl ClosedLoop {
         self.radius_free(mass, force, 0.5)
     }
 
+    /// Spectral radius of the admittance renderer with a free block of `mass` kg that the load cell moves; `beyond` kg of the
+    /// handle are between load cell and hand [keemink-2018]:
+    ///
+    /// ```text
+    /// F(k) = −μ u(k−1) + (μ (b + b_h) − b_h) v + (μ − 1) k_h x,   μ = (m_h + m_b)/(m + m_h)
+    /// w(k+1) = w + T/M F,  p(k+1) = p + T w(k+1),  u(k) = K (p(k+1) − x) + B (w(k+1) − v)
+    /// ```
+    ///
+    /// The common drift and, released, the coasting of handle and block are left out. The cell sees the hand's spring and damper and the inertia of what is beyond it, under the force that acts at the
+    /// sample.
+    #[must_use]
+    pub fn radius_admittance(&self, mass: f64, beyond: f64) -> f64 {
+        let (free, before, now) = self.sampled();
+        let (k, b, t) = (self.stiffness, self.damping, self.period);
+        let Grasp { mass: held, damping, stiffness } = self.grasp;
+        let share = (held + beyond) / (self.device_mass + held);
+        // of (x, v, p, w, previous u)
+        let unit = |at: usize| -> [f64; 5] { core::array::from_fn(|j| f64::from(u8::from(j == at))) };
+        let cell =
+            [(share - 1.0) * stiffness, share * (self.device_damping + damping) - damping, 0.0, 0.0, -share];
+        let speed: [f64; 5] = core::array::from_fn(|j| unit(3)[j] + t / mass * cell[j]);
+        let place: [f64; 5] = core::array::from_fn(|j| unit(2)[j] + t * speed[j]);
+        let force: [f64; 5] =
+            core::array::from_fn(|j| k * (place[j] - unit(0)[j]) + b * (speed[j] - unit(1)[j]));
+        let handle = |i: usize| -> [f64; 5] {
+            let own = [free[i][0], free[i][1], 0.0, 0.0, before[i]];
+            core::array::from_fn(|j| own[j] + now[i] * force[j])
+        };
+        let (x, v) = (handle(0), handle(1));
+        if stiffness > 0.0 {
+            return spectral_radius([x, v, place, speed, force]);
+        }
+        // (x − p, v, w, previous u): the common drift is left out
+        let relative = |row: [f64; 5]| [row[0], row[1], row[3], row[4]];
+        let apart = core::array::from_fn(|j| x[j] - place[j]);
+        let mut released = [relative(apart), relative(v), relative(speed), relative(force)];
+        if !(damping > 0.0) {
+            // a block without friction coasts, and should: its eigenvalue of 1 is deflated
+            let coasting = [t - self.device_damping / k, 1.0, 1.0, self.device_damping];
+            for (row, share) in released.iter_mut().zip(coasting) {
+                row[2] -= share;
+            }
+        }
+        spectral_radius(released)
+    }
+
     /// Spectral radius with a free block under −`force`. Its position advances with the given share of the old velocity and
     /// the rest of the new one.
     fn radius_free(&self, mass: f64, force: [f64; 5], old: f64) -> f64 {

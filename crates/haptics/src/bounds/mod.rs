@@ -91,6 +91,30 @@ pub fn passivity_margin<S: Scalar>(damping: S, stiffness: S, coupling_damping: S
     damping - (stiffness * period / S::lit(2.0) + coupling_damping)
 }
 
+/// Whether the admittance renderer is stable in hands from released to firm, 0.3 kg, 15 N·s/m and 1 500 N/m at the scale of the
+/// default device, with none to a tenth of the handle beyond the load cell.
+#[cfg(feature = "admittance")]
+#[must_use]
+pub fn admittance_is_stable(device: &crate::Device, stiffness: f32, damping: f32, mass: f32) -> bool {
+    let wide = |x: f32| f64::from(x);
+    let [held, resists, springs] = [0.3, 15.0, 1_500.0].map(|x| wide(device.inertia(x)));
+    // a light grip is not between a released handle and a firm one
+    [0.0, 0.015, 0.03, 0.05, 0.08, 0.12, 0.18, 0.25, 0.35, 0.5, 0.7, 1.0].iter().all(|share| {
+        let closed = ClosedLoop {
+            device_mass: wide(device.mass),
+            device_damping: wide(device.damping),
+            period: wide(device.period),
+            delay: wide(device.delay),
+            grasp: Grasp { mass: share * held, damping: share * resists, stiffness: share * springs },
+            stiffness: wide(stiffness),
+            damping: wide(damping),
+        };
+        [0.0, 0.1]
+            .iter()
+            .all(|beyond| closed.radius_admittance(wide(mass) / 1.001, beyond * wide(device.mass)) < 1.0)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

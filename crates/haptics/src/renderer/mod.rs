@@ -1,7 +1,10 @@
-//! The virtual contact on the handle. Three renderers: friction on the handle itself (impedance, [thesis, table 4-1]), or on a
+//! The virtual contact on the handle. Four renderers: friction on the handle itself (impedance, [thesis, table 4-1]); on a
 //! virtual block behind a spring and damper, stepped by [thesis, eq. 4.22 to 4.24] (virtual coupling) or with friction and
-//! coupling solved together (stopping force).
+//! coupling solved together (stopping force); on a block that the load cell moves and the handle follows (admittance; with
+//! the feature `admittance`, which the board has no flash for).
 
+#[cfg(feature = "admittance")]
+mod admittance;
 mod block;
 mod dither;
 mod impedance;
@@ -23,6 +26,9 @@ pub struct Handle {
     pub velocity: f32,
     /// Displacement since the last step, m.
     pub displacement: f32,
+    /// Force of the hand on the handle by the load cell, N.
+    #[cfg(feature = "admittance")]
+    pub push: f32,
 }
 
 impl Handle {
@@ -52,7 +58,7 @@ pub struct Rendered {
 pub enum Contact {
     /// Friction on the handle itself.
     Impedance(Impedance),
-    /// Friction on a virtual block: virtual coupling or stopping force.
+    /// Friction on a virtual block: virtual coupling, stopping force or admittance.
     Block(Block),
 }
 
@@ -63,10 +69,8 @@ impl Contact {
     pub fn new(config: &Config, handle: &Handle) -> Self {
         match config.renderer {
             RendererKind::Impedance => Self::Impedance(Impedance::new(config, handle)),
-            // constructed in place for both renderers
-            RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
-                Self::Block(Block::new(config, handle))
-            }
+            // constructed in place for all of them
+            _ => Self::Block(Block::new(config, handle)),
         }
     }
 
@@ -101,6 +105,10 @@ impl Contact {
             Self::Impedance(contact) => contact.step(config, handle),
             Self::Block(block) if config.renderer == RendererKind::StoppingForce => {
                 block.step_stopping_force(config, handle)
+            }
+            #[cfg(feature = "admittance")]
+            Self::Block(block) if config.renderer == RendererKind::Admittance => {
+                block.step_admittance(config, handle)
             }
             Self::Block(block) => block.step_virtual_coupling(config, handle),
         }

@@ -66,7 +66,7 @@ impl Block {
 
 /// Whether friction brings the block to rest within this period: it equals the stopping force up to rounding or, with Karnopp
 /// inside the dead band, balances the applied force.
-fn stops(config: &Config, applied: f32, velocity: f32, friction: f32) -> bool {
+pub(super) fn stops(config: &Config, applied: f32, velocity: f32, friction: f32) -> bool {
     let momentum = velocity * config.mass_per_period;
     let rounding = ROUNDING * (applied.abs() + momentum.abs());
     let brought_to_rest = (applied + momentum - friction).abs() <= rounding;

@@ -14,6 +14,19 @@ impl Settings {
         Ok(Config::new(self, device))
     }
 
+    /// The law as the renderer steps it. The admittance renderer takes the levels of Karnopp's law without its dead band.
+    #[cfg(feature = "admittance")]
+    pub(crate) fn rendered_law(&self) -> Law<f32> {
+        let levels = self.renderer == super::RendererKind::Admittance && self.law == LawKind::Karnopp;
+        Self { law: if levels { LawKind::Coulomb } else { self.law }, ..*self }.friction_law()
+    }
+
+    /// The law as the renderer steps it.
+    #[cfg(not(feature = "admittance"))]
+    pub(crate) fn rendered_law(&self) -> Law<f32> {
+        self.friction_law()
+    }
+
     /// The law with these parameters.
     #[must_use]
     pub fn friction_law(&self) -> Law<f32> {

@@ -60,6 +60,9 @@ pub enum RendererKind {
     VirtualCoupling,
     /// The same block with friction as a stopping force, solved within the step: sticks exactly, needs no `dv`.
     StoppingForce,
+    /// The load cell moves the block, the handle follows it.
+    #[cfg(feature = "admittance")]
+    Admittance,
 }
 
 impl RendererKind {
@@ -69,8 +72,17 @@ impl RendererKind {
         !matches!(self, Self::Impedance)
     }
 
-    /// All variants.
-    pub const ALL: &'static [Self] = &[Self::Impedance, Self::VirtualCoupling, Self::StoppingForce];
+    /// Those that a board has.
+    pub const ON_BOARD: &'static [Self] = &[Self::Impedance, Self::VirtualCoupling, Self::StoppingForce];
+
+    /// All that this build has.
+    #[cfg(not(feature = "admittance"))]
+    pub const ALL: &'static [Self] = Self::ON_BOARD;
+
+    /// All that this build has.
+    #[cfg(feature = "admittance")]
+    pub const ALL: &'static [Self] =
+        &[Self::Impedance, Self::VirtualCoupling, Self::StoppingForce, Self::Admittance];
 
     /// Name as typed.
     #[must_use]
@@ -79,6 +91,8 @@ impl RendererKind {
             Self::Impedance => "impedance",
             Self::VirtualCoupling => "virtual_coupling",
             Self::StoppingForce => "stopping_force",
+            #[cfg(feature = "admittance")]
+            Self::Admittance => "admittance",
         }
     }
 

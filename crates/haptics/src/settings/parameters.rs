@@ -105,12 +105,26 @@ impl core::error::Error for SetError<'_> {}
 /// Entry of the table: description and field of a number.
 type Place = fn(&mut Settings) -> &mut f32;
 
+/// Names of the renderers.
+#[cfg(not(feature = "admittance"))]
+const RENDERERS: &str = "virtual_coupling, stopping_force, impedance";
+/// Names of the renderers.
+#[cfg(feature = "admittance")]
+const RENDERERS: &str = "virtual_coupling, stopping_force, admittance, impedance";
+
+/// What a renderer is, in `help`.
+#[cfg(not(feature = "admittance"))]
+const RENDERER: &str = "friction on a block: virtual_coupling or stopping_force; on the handle: impedance";
+/// What a renderer is, in `help`.
+#[cfg(feature = "admittance")]
+const RENDERER: &str = "friction on a block: virtual_coupling, stopping_force or, by the load cell, admittance; on the handle: impedance";
+
 macro_rules! table {
     ($($name:literal, $dimension:ident, $field:ident, $what:literal;)*) => {
         /// Every stored parameter, in the order for users.
         pub const PARAMETERS: &[Parameter] = &[
             Parameter { name: "law", dimension: None, what: "friction law: karnopp, dahl, coulomb or lugre" },
-            Parameter { name: "renderer", dimension: None, what: "friction on a block: virtual_coupling or stopping_force; on the handle: impedance" },
+            Parameter { name: "renderer", dimension: None, what: RENDERER },
             $(Parameter::number($name, Dimension::$dimension, $what),)*
             Parameter { name: "passivity", dimension: None, what: "on: energy given to the hand that nothing stored is taken back; off" },
         ];
@@ -200,7 +214,7 @@ impl Settings {
                 self.law = LawKind::from_id(value).ok_or(fail(words))?;
             }
             "renderer" => {
-                let words = SetWhy::NotOneOf("virtual_coupling, stopping_force, impedance");
+                let words = SetWhy::NotOneOf(RENDERERS);
                 self.renderer = RendererKind::from_id(value).ok_or(fail(words))?;
             }
             "passivity" => {

@@ -117,9 +117,7 @@ impl Settings {
         let cap = Self::damping_cap(device);
         let high = match self.renderer {
             RendererKind::Impedance => cap,
-            RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
-                cap.min(self.room(device, self.bristle_stiffness()))
-            }
+            _ => cap.min(self.room(device, self.bristle_stiffness())),
         };
         let why = Reason::of(
             Dimension::DAMPING,
@@ -247,7 +245,7 @@ impl Settings {
             sigma_1_most = at_most(Self::damping_cap(device));
             sigma_most = match self.renderer {
                 RendererKind::Impedance => at_most(Self::stiffness_cap(device, inner)),
-                RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
+                _ => {
                     // the rest after the viscous damping, N/m
                     let viscous = self.viscous_within(device);
                     at_most((self.room(device, 0.0) - viscous) * 2.0 / period)
@@ -270,12 +268,24 @@ impl Settings {
         share(self.damping_p).max(share(self.damping_n))
     }
 
+    /// Whether the coupling does not move the block: neither it nor bristles do.
+    #[cfg(feature = "admittance")]
+    fn ignores_the_coupling(&self) -> bool {
+        self.renderer == RendererKind::Admittance && matches!(self.law, LawKind::Karnopp | LawKind::Coulomb)
+    }
+
+    /// Whether the coupling does not move the block.
+    #[cfg(not(feature = "admittance"))]
+    fn ignores_the_coupling(&self) -> bool {
+        false
+    }
+
     /// Checks the mass and, with the virtual coupling, the block between handle and surface: KT² + 2BT < 4M, the singularity of
     /// [thesis, eq. 4.35]. Bristles that are unstable with a block of 1 kg are refused by their own check.
     fn block(&self, device: &Device) -> Result<(), Refused> {
         let why = Reason::of(Dimension::MASS, "a lighter block oscillates on its coupling (eq. 4.35)");
         let (mut lightest, heaviest) = (device.inertia(LIGHTEST), device.inertia(HEAVIEST));
-        if self.renderer.has_block() {
+        if self.renderer.has_block() && !self.ignores_the_coupling() {
             let period = device.period;
             let mut damping = self.b_vc + self.viscous_within(device);
             let (inner, sigma) = (self.bristle_damping(), self.bristle_stiffness());
@@ -294,8 +304,12 @@ impl Settings {
 
     /// Checks a free handle and block on a coupling of at most `k_vc`, N/m, with the complete sampled loop.
     fn free_block(&self, device: &Device, k_vc: f32) -> Result<(), Refused> {
-        if !self.renderer.has_block() {
-            return Ok(());
+        match self.renderer {
+            RendererKind::Impedance => return Ok(()),
+            // the coupling does not drive its block
+            #[cfg(feature = "admittance")]
+            RendererKind::Admittance => return self.follows_load_cell(device, k_vc),
+            _ => {}
         }
         let pair = bounds::FreeBlock {
             device_mass: device.mass,
@@ -313,6 +327,23 @@ impl Settings {
         let why =
             Reason::of(Dimension::STIFFNESS, "above, handle and sliding block swing against each other");
         within("k_vc", self.k_vc, device.stiffness(1.0), most, why)
+    }
+
+    /// Checks the loop of load cell, block and handle, in hands from released to firm.
+    #[cfg(feature = "admittance")]
+    fn follows_load_cell(&self, device: &Device, k_vc: f32) -> Result<(), Refused> {
+        let heaviest = device.inertia(HEAVIEST);
+        let stable = |mass: f32| bounds::admittance_is_stable(device, k_vc, self.b_vc, mass);
+        if !(self.mass > 0.0 && self.mass <= heaviest) || stable(self.mass) {
+            return Ok(());
+        }
+        let (mut low, mut high) = (self.mass, heaviest);
+        while high > low * 1.001 {
+            let middle = libm::sqrtf(low * high);
+            if stable(middle) { high = middle } else { low = middle }
+        }
+        let why = "kg; a lighter block swings against a hand on the load cell";
+        within("mass", self.mass, at_least(high), heaviest, why)
     }
 
     fn check_effects(&self, device: &Device) -> Result<(), Refused> {
@@ -357,7 +388,7 @@ impl Settings {
                 let most = DAMPING_SHARE * bounds::damping_max(mass, damping, period);
                 (Self::stiffness_cap(device, self.b_vc) - self.k_vc, most)
             }
-            RendererKind::VirtualCoupling | RendererKind::StoppingForce => {
+            _ => {
                 let mass = self.mass * self.share_of_mass(device);
                 let left = bounds::stiffness_singular(mass, self.b_vc, period) - self.k_vc;
                 (left, bounds::damping_singular(mass, self.k_vc, period) - self.b_vc)
@@ -471,8 +502,8 @@ impl Settings {
                     Reason::of(Dimension::VELOCITY, "below, the handle chatters about rest (eq. 4.21)"),
                 )
             }
-            // has no dead band
-            RendererKind::StoppingForce => return None,
+            // have no dead band
+            _ => return None,
         };
         (self.dv < needed).then(|| Warning {
             parameter: "dv",

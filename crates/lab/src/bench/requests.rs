@@ -144,7 +144,7 @@ impl Bench {
                 Ok(())
             }
             // answered where they arrive
-            Ask::Propose { .. } | Ask::Ping { .. } => Ok(()),
+            Ask::Propose { .. } | Ask::Plane { .. } | Ask::Ping { .. } => Ok(()),
         }
     }
 

@@ -2,24 +2,13 @@
 
 use super::Bench;
 use super::running::Running;
-use crate::experiment::{Begun, Task, rfc3339};
+use crate::experiment::{Begun, Task};
 use crate::say::Tone;
+use crate::session_file;
 use crate::verdict;
 use friction::effects::EffectKind;
-use perception::{Experiment, ForcedChoicePlan, Header, Log, SCHEMA, Stimulus, Subject, TargetingPlan};
+use perception::{Experiment, ForcedChoicePlan, Log, Stimulus, TargetingPlan};
 use std::path::PathBuf;
-use std::time::SystemTime;
-
-/// A label that can be part of a file's name.
-fn label(text: &str) -> Result<String, String> {
-    let text = text.trim();
-    let fits = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_');
-    if (1..=32).contains(&text.len()) && text.bytes().all(fits) {
-        Ok(text.to_owned())
-    } else {
-        Err("subject: a label of 1 to 32 letters, digits, - and _ is accepted".into())
-    }
-}
 
 impl Bench {
     pub(super) fn begin_targeting(&mut self, subject: &str, seed: u64, practice: bool) -> Result<(), String> {
@@ -78,27 +67,11 @@ impl Bench {
         if self.experiment.is_some() {
             return Err("a session is open: leave it first".into());
         }
-        let subject = label(subject)?;
-        std::fs::create_dir_all(&self.folder).map_err(|e| format!("{}: {e}", self.folder.display()))?;
-        let kind = match &experiment {
-            Experiment::Targeting(_) => "targeting",
-            Experiment::ForcedChoice(_) => "choice",
-        };
-        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
-        let header = Header {
-            schema: SCHEMA.into(),
-            subject: Subject { id: subject.clone(), simulated: None },
-            began: rfc3339(now),
-            device: self.shared.known(|known| format!("{}: {}", known.port, known.version)),
-            experiment: experiment.clone(),
-        };
-        let free = (1..1_000).map(|k| format!("{kind}-{subject}-{k}")).find_map(|name| {
-            let path = self.folder.join(format!("{name}.jsonl"));
-            (!path.exists()).then_some((name, path))
-        });
-        let (name, path) = free.ok_or("a thousand sessions of this subject: another label is accepted")?;
-        let log = Log::create(&path, &header).map_err(|e| e.to_string())?;
-        self.open_session(log, name, Task::new(experiment));
+        let task = Task::new(experiment.clone()).ok_or("a session on the plane begins there")?;
+        let kind = if matches!(task, Task::Choice(_)) { "choice" } else { "targeting" };
+        let device = self.shared.known(|known| format!("{}: {}", known.port, known.version));
+        let (log, name) = session_file::create(&self.folder, kind, subject, device, experiment)?;
+        self.open_session(log, name, task);
         Ok(())
     }
 
@@ -117,7 +90,7 @@ impl Bench {
                 "the last trial was not finished when the file ended; it starts again",
             );
         }
-        let task = Task::resume(&session);
+        let task = Task::resume(&session).ok_or("a session on the plane goes on there")?;
         self.open_session(log, file.trim_end_matches(".jsonl").to_owned(), task);
         Ok(())
     }

@@ -1,8 +1,9 @@
-//! One page's socket: every batch of samples down, requests up.
+//! One page's socket: every batch of samples down, requests up; the planar handle of the page.
 
 use super::app::App;
 use crate::bench::ToBench;
 use crate::message::{Ask, LONGEST};
+use crate::plane::{AskPlane, Plane};
 use crate::say::{Say, Tone};
 use crate::verdict;
 use axum::extract::State;
@@ -10,8 +11,12 @@ use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::Sender;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use tokio::sync::broadcast::error::RecvError;
+use tokio::time::MissedTickBehavior;
+
+/// Interval between two messages of the puck.
+const PUCK: Duration = Duration::from_millis(16);
 
 /// Requests to the device's thread that a page may make a second. A mouse that holds the handle makes 60 to 240.
 const A_SECOND: u32 = 500;
@@ -49,6 +54,9 @@ async fn page(app: &App, mut socket: WebSocket) {
     let bench = app.bench.clone();
     let mut news = app.shared.pages.subscribe();
     let mut allowance = Allowance::new();
+    let mut plane = Plane::new(app.folder.clone(), Instant::now());
+    let mut ticks = tokio::time::interval(PUCK);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     // it answers with everything that is known
     let mut open = bench.send(ToBench::Joined(page)).is_ok();
     while open {
@@ -61,9 +69,13 @@ async fn page(app: &App, mut socket: WebSocket) {
                 };
                 open = socket.send(message).await.is_ok();
             }
+            _ = ticks.tick(), if plane.is_open() => {
+                let (rows, work) = plane.advance(Instant::now());
+                open = socket.send(said(&Say::Puck { rows, work })).await.is_ok();
+            }
             asked = socket.recv() => match asked {
                 Some(Ok(Message::Text(text))) => {
-                    match answer(app, &bench, &mut allowance, text.as_str()) {
+                    match answer(app, &bench, &mut allowance, &mut plane, text.as_str()) {
                         Ok(None) => {}
                         Ok(Some(message)) => open = socket.send(message).await.is_ok(),
                         Err(why) => {
@@ -92,6 +104,7 @@ fn answer(
     app: &App,
     bench: &Sender<ToBench>,
     allowance: &mut Allowance,
+    plane: &mut Plane,
     text: &str,
 ) -> Result<Option<Message>, String> {
     Ok(match Ask::read(text)? {
@@ -111,6 +124,14 @@ fn answer(
                 },
             };
             Some(said(&Say::Proposed { id, verdict }))
+        }
+        Ask::Plane { ask } => {
+            let quiet = matches!(ask, AskPlane::Hand { .. });
+            if plane.obey(ask, Instant::now())? {
+                // the bench lists the folder for every page
+                bench.send(ToBench::Sessions).map_err(|_| "the lab is closing".to_owned())?;
+            }
+            (!quiet).then(|| said(&Say::Plane(plane.shown())))
         }
         ask => {
             // what takes the force away is never refused

@@ -7,8 +7,8 @@ pub use claims::{Claim, HARD, Shown};
 pub use tidy::tables;
 
 use crate::{
-    Counts, Difference, Experiment, Fit, LogError, Margins, Record, Resistance, Session, Throughput, counts,
-    differences, levels, segments, throughput,
+    Counts, Difference, Experiment, Fit, LogError, Margins, Record, Resistance, RingCase, Session,
+    Throughput, counts, differences, levels, segments, throughput,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -76,6 +76,25 @@ pub struct Speed {
     pub throughput: Throughput,
 }
 
+/// A circle of targets in the plane, and whose it is.
+#[derive(Debug, Clone, Serialize)]
+pub struct RingSpeed {
+    /// Who.
+    pub subject: String,
+    /// Number of the circle from 1.
+    pub trial: usize,
+    /// Circle and surface.
+    #[serde(flatten)]
+    pub case: RingCase,
+    /// Index of difficulty, bits.
+    pub id_bits: f64,
+    /// Number of selections that missed.
+    pub errors: usize,
+    /// The throughput.
+    #[serde(flatten)]
+    pub throughput: Throughput,
+}
+
 /// A psychometric function, and whose it is.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fitted {
@@ -109,6 +128,8 @@ pub struct Analysis {
     pub differences: Vec<Difference>,
     /// Of every segment.
     pub throughput: Vec<Speed>,
+    /// Of every circle in the plane.
+    pub rings: Vec<RingSpeed>,
     /// Of each subject and of all together.
     pub psychometric: Vec<Fitted>,
     /// What a reader must know.
@@ -206,10 +227,45 @@ pub fn analyse(sessions: &[Session], margins: Margins) -> Analysis {
         claims: claims::claims(&differences),
         counts: counts(&differences, &margins),
         throughput: speeds.collect(),
+        rings: rings(sessions),
         psychometric: psychometric(sessions),
         differences,
         notes,
     }
+}
+
+/// Every circle that has a throughput.
+fn rings(sessions: &[Session]) -> Vec<RingSpeed> {
+    let mut all = Vec::new();
+    for session in sessions {
+        for record in &session.records {
+            let Record::Ring(trial) = record else { continue };
+            all.extend(trial.throughput().map(|throughput| RingSpeed {
+                subject: session.header.subject.id.clone(),
+                trial: trial.number,
+                case: trial.case.clone(),
+                id_bits: trial.id_bits,
+                errors: trial.errors,
+                throughput,
+            }));
+        }
+    }
+    all
+}
+
+/// Surfaces of the circles, each with the mean throughput in bit/s and effective width in mm.
+#[must_use]
+pub fn surfaces(analysis: &Analysis) -> Vec<(&str, f64, f64)> {
+    let mut names: Vec<&str> = analysis.rings.iter().map(|r| r.case.surface.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let mean = |name: &str, value: &dyn Fn(&Throughput) -> f64| {
+        let of: Vec<f64> =
+            analysis.rings.iter().filter(|r| r.case.surface == name).map(|r| value(&r.throughput)).collect();
+        of.iter().sum::<f64>() / of.len() as f64
+    };
+    let row = |name| (name, mean(name, &|t| t.bits_per_s), mean(name, &|t| t.effective_width_mm));
+    names.into_iter().map(row).collect()
 }
 
 /// Of each subject and of all together, batch by batch.

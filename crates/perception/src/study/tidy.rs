@@ -122,6 +122,32 @@ pub fn tables(sessions: &[Session], analysis: &Analysis) -> Vec<(&'static str, S
             );
         }
     }
+    if !analysis.rings.is_empty() {
+        let mut speeds = String::from(
+            "subject,simulated,trial,surface,diameter_mm,width_mm,id_bits,errors,movements,effective_width_mm,effective_distance_mm,effective_id_bits,movement_time_s,throughput_bits_s\n",
+        );
+        for r in &analysis.rings {
+            let t = &r.throughput;
+            let _ = writeln!(
+                speeds,
+                "{},{simulated},{},{},{},{},{},{},{},{},{},{},{},{}",
+                cell(&r.subject),
+                r.trial,
+                cell(&r.case.surface),
+                1e3 * r.case.diameter_m,
+                1e3 * r.case.width_m,
+                r.id_bits,
+                r.errors,
+                t.movements,
+                t.effective_width_mm,
+                t.effective_distance_mm,
+                t.effective_bits,
+                t.movement_s,
+                t.bits_per_s
+            );
+        }
+        out.push(("plane.csv", speeds));
+    }
     if any {
         // x, right, answers: what psignifit takes, after a filter by subject and batch
         let mut psignifit = String::from("subject,simulated,batch,difference_n,n_correct,n_total\n");

@@ -92,7 +92,12 @@ fn simulate(run: &Run) -> Result<Vec<Sample>> {
         let moved = place - before;
         before = place;
         let seen = if run.quantised { moved / PERIOD } else { v };
-        let handle = Handle { position: place as f32, velocity: seen as f32, displacement: moved as f32 };
+        let handle = Handle {
+            position: place as f32,
+            velocity: seen as f32,
+            displacement: moved as f32,
+            ..Handle::default()
+        };
         let force = f64::from(contact.step(&config, &handle).force);
         let applied = (run.hand)(t);
         out.push(Sample { t, x, v, seen, applied, friction: -force });

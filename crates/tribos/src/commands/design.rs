@@ -20,11 +20,11 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     for path in [&args.map, &args.json].into_iter().flatten() {
         files::check_writable(path)?;
     }
-    if let Some(points) = args.grid {
-        return super::design_grid::grid(args, points as usize);
-    }
     if args.renderers {
         return super::design_grid::compared(args);
+    }
+    if let Some(points) = args.grid {
+        return super::design_grid::grid(args, points as usize);
     }
     let mut given = Given {
         period: args.period,

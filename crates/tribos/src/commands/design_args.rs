@@ -56,11 +56,11 @@ pub struct Args {
     pub(super) preset: Option<String>,
     /// Run this number of couplings (10 000 by default) through the simulated device under every renderer: which
     /// come to rest, which chatter; with --map as a picture. --dv is the Δv of the Karnopp renderers
-    #[arg(long, value_name = "POINTS", num_args = 0..=1, default_missing_value = "10000", value_parser = clap::value_parser!(u32).range(1..=1_000_000), conflicts_with_all = ["mass", "friction", "stiffness", "damping", "device_mass", "device_damping", "preset", "renderers"])]
+    #[arg(long, value_name = "POINTS", num_args = 0..=1, default_missing_value = "10000", value_parser = clap::value_parser!(u32).range(1..=1_000_000), conflicts_with_all = ["mass", "friction", "stiffness", "damping", "device_mass", "device_damping"])]
     pub(super) grid: Option<u32>,
     /// Compare the renderers through the sensors of the device, without and with passivity control: force errors, creep,
-    /// noise at rest, energy, and the share of the grid that comes to rest and gives no energy; of --preset, or
-    /// of [thesis, table 5-3] and the materials
+    /// noise at rest, energy, and the share of the grid (500 couplings, or those of --grid) that comes to rest and gives no
+    /// energy; what a hand feels of a heavy and of a light block; of --preset, or of [thesis, table 5-3] and the materials
     #[arg(long, conflicts_with_all = ["mass", "friction", "stiffness", "damping", "dv", "device_mass", "device_damping", "map"])]
     pub(super) renderers: bool,
     /// Draw the safe region over K and B

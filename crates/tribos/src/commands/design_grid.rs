@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// DV of the final experiment [thesis, table 5-3], m/s.
 const DV: f64 = 1e-3;
-/// Couplings of the grid that `--renderers` runs.
+/// Couplings of the grid that `--renderers` runs without `--grid`.
 const POINTS: usize = 500;
 
 /// The grid.
@@ -89,6 +89,65 @@ fn grid_json(cells: &[Cell], dv: f64) -> Value {
     json!({ "schema": "tribos.design.grid/1", "points": cells.len(), "dv": dv, "renderers": renderers })
 }
 
+/// A name, mass kg, and friction N of a block that shows what each renderer is good for.
+const BLOCKS: [(&str, f32, f32); 2] = [("heavy and sticky", 2.0, 4.0), ("light and free", 0.1, 0.1)];
+
+/// Such a block, and what was felt of it.
+type Led = (&'static str, f32, f32, Vec<(RendererKind, std::result::Result<renderers::Felt, design::Error>)>);
+
+/// A block with a static friction 1.2 times its dynamic one, on the coupling of brass.
+fn block(mass: f32, friction: f32) -> Settings {
+    let hold = 1.2 * friction;
+    Settings {
+        mass,
+        f_static_p: hold,
+        f_static_n: hold,
+        f_dynamic_p: friction,
+        f_dynamic_n: friction,
+        damping_p: 0.0,
+        damping_n: 0.0,
+        ..Settings::brass()
+    }
+}
+
+fn felt_table(felt: &[Led]) -> String {
+    let mut table = Table::new(&[
+        "block",
+        "renderer",
+        ">felt mass, kg",
+        ">felt damping, N·s/m",
+        ">felt friction, N",
+        ">rest, mN",
+    ]);
+    for (name, mass, friction, all) in felt {
+        let block = format!("{name}: {mass} kg, {friction} N");
+        for (renderer, felt) in all {
+            let [mass, damping, friction, rest] = match felt {
+                Ok(felt) => [felt.mass, felt.damping, felt.friction, 1e3 * felt.rest].map(|x| number(x, 3)),
+                Err(why) => [why.to_string(), String::new(), String::new(), String::new()],
+            };
+            table.row([block.clone(), renderer.id().to_owned(), mass, damping, friction, rest]);
+        }
+    }
+    table.render()
+}
+
+fn felt_json(felt: &[Led]) -> Value {
+    let row = |(name, mass, friction, all): &Led| -> Vec<Value> {
+        let one = |(renderer, felt): &(RendererKind, std::result::Result<renderers::Felt, design::Error>)| {
+            let felt = match felt {
+                Ok(f) => {
+                    json!({ "mass_kg": f.mass, "damping_n_s_per_m": f.damping, "friction_n": f.friction, "rest_n": f.rest })
+                }
+                Err(why) => json!({ "failed": why.to_string() }),
+            };
+            json!({ "block": name, "mass_kg": mass, "friction_n": friction, "renderer": renderer.id(), "felt": felt })
+        };
+        all.iter().map(one).collect()
+    };
+    felt.iter().flat_map(row).collect()
+}
+
 /// The table of renderers.
 pub(super) fn compared(args: &Args) -> Result<Outcome> {
     let presets: Vec<(String, Settings)> = match &args.preset {
@@ -100,26 +159,30 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
             ("teflon".to_owned(), Settings::teflon()),
         ],
     };
+    let points = args.grid.map_or(POINTS, |points| points as usize);
     let mut rows = Vec::new();
     for (name, preset) in &presets {
         rows.extend(renderers::measure(preset)?.into_iter().map(|m| (name, m)));
     }
     let bar = Progress::new("grid");
-    let without = grid::run(POINTS, false, DV, &|share| bar.set(0.5 * share, ""));
-    let with = grid::run(POINTS, true, DV, &|share| bar.set(0.5 + 0.5 * share, ""));
+    let without = grid::run(points, false, DV, &|share| bar.set(0.5 * share, ""));
+    let with = grid::run(points, true, DV, &|share| bar.set(0.5 + 0.5 * share, ""));
     drop(bar);
+    let felt =
+        BLOCKS.map(|(name, mass, friction)| (name, mass, friction, renderers::felt(&block(mass, friction))));
     if let Some(path) = &args.json {
         let one = |(name, m): &(&String, renderers::Measured)| {
             json!({
-                "preset": name, "renderer": m.renderer.id(), "passivity": m.passivity, "sliding_error_n": m.sliding_error,
+                "preset": name, "renderer": m.renderer.id(), "passivity": m.passivity, "sliding_error_n": m.sliding_error, "felt_error_n": m.felt_error,
                 "break_away_error_n": m.break_away_error, "creep_m_per_s": m.creep, "noise_n": m.noise,
                 "energy_per_cycle_j": m.energy,
             })
         };
         let value = json!({
             "schema": "tribos.design.renderers/1",
+            "felt": felt_json(&felt),
             "measured": rows.iter().map(one).collect::<Vec<_>>(),
-            "grid": { "points": POINTS, "without": grid_json(&without, DV)["renderers"], "with": grid_json(&with, DV)["renderers"] },
+            "grid": { "points": points, "without": grid_json(&without, DV)["renderers"], "with": grid_json(&with, DV)["renderers"] },
         });
         files::write_json(path, &value)?;
     }
@@ -131,6 +194,7 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
         "renderer",
         "passivity",
         ">sliding error, mN",
+        ">device felt, mN",
         ">break-away error, mN",
         ">creep, µm/s",
         ">noise at rest, mN",
@@ -142,6 +206,7 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
             m.renderer.id().to_owned(),
             if m.passivity { "on" } else { "off" }.to_owned(),
             number(1e3 * m.sliding_error, 3),
+            number(1e3 * m.felt_error, 3),
             number(1e3 * m.break_away_error, 3),
             format!("{:.3}", 1e6 * m.creep),
             format!("{:.3}", 1e3 * m.noise),
@@ -152,6 +217,9 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
     println!(
         "  encoder of 2.57 µm, edge times, 0.1 µs of jitter, force 20 µs after the sample; a relaxed hand"
     );
+    println!();
+    print!("{}", felt_table(&felt));
+    println!("  fitted to the force of a hand that leads the handle by 8 mm at 1.2 Hz and 1 mm at 4 Hz");
     println!();
     let mut table =
         Table::new(&["renderer", "passivity", ">accepted, stable", ">come to rest, %", ">give no energy, %"]);
@@ -170,7 +238,7 @@ pub(super) fn compared(args: &Args) -> Result<Outcome> {
     }
     print!("{}", table.render());
     println!(
-        "  the first {POINTS} couplings of --grid; energy to the hand in 0.8 s after the handle was left alone, above 1 µJ"
+        "  the first {points} couplings of --grid; energy to the hand in 0.8 s after the handle was left alone, above 1 µJ"
     );
     Ok(Outcome::Done)
 }

@@ -214,6 +214,13 @@ pub(crate) fn text(a: &Analysis) -> String {
         }
         let _ = write!(out, "\n{}", table.render());
     }
+    if !a.rings.is_empty() {
+        let mut table = Table::new(&["surface", ">throughput bit/s", ">effective width mm"]);
+        for (surface, bits, width) in study::surfaces(a) {
+            table.row([surface.to_owned(), format!("{bits:.2}"), format!("{width:.2}")]);
+        }
+        let _ = write!(out, "\n{}", table.render());
+    }
     if !a.psychometric.is_empty() {
         let mut table = Table::new(&["batch", "subject", ">answers", "JND, 95 %"]);
         for f in a.psychometric.iter().filter(|f| f.subject == POOLED || n <= 3) {

@@ -10,6 +10,7 @@ mod cost;
 mod experiments;
 #[cfg(unix)]
 mod origin;
+mod plane;
 mod scope;
 mod without_installation;
 
@@ -36,6 +37,8 @@ fn main() -> ExitCode {
             experiments::a_segment_of_targeting_and_a_batch_of_forced_choice_by_script,
             experiments::what_is_finished_survives_the_death_of_server_browser_and_device,
             experiments::a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept,
+            plane::the_force_of_a_dragged_puck_is_that_of_the_law,
+            plane::a_circle_of_targets_is_selected_kept_and_analysed,
             scope::the_trace_is_live_at_1_khz_and_rubber_feels_like_rubber,
             scope::a_fault_is_told_in_plain_words_and_cleared_from_the_page,
             scope::a_picture_of_a_minute_shows_the_one_sample_that_stands_out_and_the_gap,
