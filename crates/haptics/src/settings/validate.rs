@@ -342,7 +342,7 @@ impl Settings {
             let middle = libm::sqrtf(low * high);
             if stable(middle) { high = middle } else { low = middle }
         }
-        let why = "kg; a lighter block swings against a hand on the load cell";
+        let why = Reason::of(Dimension::MASS, "a lighter block swings against a hand on the load cell");
         within("mass", self.mass, at_least(high), heaviest, why)
     }
 
