@@ -40,6 +40,12 @@ pub enum Verdict {
 
 /// Spectral radius below which a loop is stable: a motion at the bound itself neither grows nor dies out.
 const STABLE: f64 = 1.0 - 1e-6;
+/// The same under a renderer. Through the load cell a block without friction coasts, and a hand that hardly holds it stops it
+/// in minutes: that is not a motion at the bound.
+fn stable_below(renderer: RendererKind) -> f64 {
+    if renderer == RendererKind::Admittance { 1.0 } else { STABLE }
+}
+
 /// Mass kg, damping N·s/m and stiffness N/m of a hand that holds firmly.
 const FIRM: (f64, f64, f64) = (0.3, 15.0, 1_500.0);
 /// The push lasts from 0.05 s on, s.
@@ -217,7 +223,7 @@ pub fn run(points: usize, passivity: bool, dv: f64, progress: &(dyn Fn(f32) + Sy
         for ((verdict, given), &renderer) in verdicts.iter_mut().zip(&mut given).zip(RendererKind::ALL) {
             let what;
             (what, *given) = point.run(renderer, passivity, dv);
-            *verdict = (what, point.radius(renderer) < STABLE);
+            *verdict = (what, point.radius(renderer) < stable_below(renderer));
         }
         let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f32 / points as f32;
         progress(share);
@@ -265,7 +271,11 @@ mod tests {
                     Ok(_) => {
                         accepted += 1;
                         let radius = point.radius(renderer);
-                        assert!(radius < STABLE, "{}: spectral radius {radius}, {point:?}", renderer.id());
+                        assert!(
+                            radius < stable_below(renderer),
+                            "{}: spectral radius {radius}, {point:?}",
+                            renderer.id()
+                        );
                     }
                     Err(refused) => {
                         refused_for_it += u32::from(refused.why.words.contains("swing against each other"))
