@@ -1,7 +1,7 @@
 //! The virtual contact on the handle. Four renderers: friction on the handle itself (impedance, [thesis, table 4-1]); on a
 //! virtual block behind a spring and damper, stepped by [thesis, eq. 4.22 to 4.24] (virtual coupling) or with friction and
 //! coupling solved together (stopping force); on a block that the load cell moves and the handle follows (admittance; with
-//! the feature `admittance`, which the board has no flash for).
+//! the feature `admittance`: its bound takes a board longer than its watchdog waits).
 
 #[cfg(feature = "admittance")]
 mod admittance;
