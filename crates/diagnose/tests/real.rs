@@ -281,8 +281,7 @@ fn a_damper_with_play_has_lost_motion() {
 
 /// The current that holds it, every 2 mrad. Its motor is not known; 72 periods a turn are what the current shows.
 fn a_motor_that_was_held_at_each_angle_has_its_cogging() {
-    let map = "time_s=time_s,position_rad=position_rad,torque_nm=iq_a";
-    let held = read(&recordings("laas_cogging/stopped_map.csv").expect("a recording"), map);
+    let held = read(&recordings("laas_cogging/stopped_map.csv").expect("a recording"), "torque_nm=iq_a");
     let found = found(&[held], &[]);
     let cogging = found.missing.iter().find(|m| m.effect == "cogging").expect("cogging");
     let periods = std::f64::consts::TAU / cogging.parameters["wavelength"].value;

@@ -1,8 +1,6 @@
 //! Map texts: which variables of a file make which column, `time_s=t,position_m=qm,force_n=gtau*vir`.
 
-#[cfg(feature = "ros2")]
-use super::columns::Slot;
-use super::columns::{self, Named};
+use super::columns::{self, Named, Slot};
 use crate::Error;
 use std::str::FromStr;
 
@@ -12,7 +10,7 @@ const DEEPEST: usize = 64;
 /// A parsed map. Each entry is `COLUMN=EXPRESSION`; an expression is made of variables of the file, numbers, `+ - * /`,
 /// parentheses, `min(a, b)` and `max(a, b)`. A variable of one element is a constant, and `index` counts samples from 0. A name with other
 /// characters than letters, digits and `_` is put in quotes, unless it is a series of a log, `/ft:force.z`. The columns of a CSV file
-/// without header are `c1`, `c2`, …
+/// without header are `c1`, `c2`, … Of time, position and force, what a map leaves out is the column of its own name.
 ///
 /// ```
 /// use signals::Map;
@@ -177,11 +175,23 @@ impl Map {
                 format!("no variable with more than one element is named; the file has {has}"),
             ));
         };
-        Ok(self
+        let mut made: Vec<(&'static Named, Vec<f64>)> = self
             .entries
             .iter()
             .map(|e| (e.column, (0..length).map(|i| e.value.at(i, &lookup)).collect()))
-            .collect())
+            .collect();
+        // what a recording needs and the map leaves out may stand under its own name
+        for slot in [Slot::Time, Slot::Position, Slot::Force] {
+            let own = |column: &&Named| {
+                column.slot == slot && lookup(column.name).is_some_and(|v| v.len() == length)
+            };
+            if made.iter().all(|(column, _)| column.slot != slot)
+                && let Some(column) = columns::ALL.iter().find(own)
+            {
+                made.push((column, lookup(column.name).unwrap_or_default().to_vec()));
+            }
+        }
+        Ok(made)
     }
 }
 

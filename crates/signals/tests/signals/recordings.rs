@@ -138,6 +138,18 @@ fn refusals_name_file_line_column_value_and_what_is_accepted() {
 }
 
 #[test]
+fn a_map_of_the_force_alone_was_refused_beside_columns_of_the_right_names() {
+    let text = "time_s,position_rad,iq_a\n0,0.1,2\n0.5,0.2,4\n";
+    let r = mapped(text, "torque_nm=0.5*iq_a").unwrap();
+    assert_eq!((r.geometry, r.time, r.position), (Geometry::Rotary, vec![0.0, 0.5], vec![0.1, 0.2]));
+    assert_eq!(r.force, [1.0, 2.0]);
+    // what the map says comes first
+    let r = mapped(text, "time_s=2*time_s,torque_nm=iq_a").unwrap();
+    assert_eq!(r.time, [0.0, 1.0]);
+    refused(mapped("t,position_rad,iq_a\n0,1,2\n1,2,3\n", "torque_nm=iq_a"), &["no time_s"]);
+}
+
+#[test]
 fn maps_are_read_and_refused_with_the_column_of_the_text() {
     let text = "t,\"Force (N)\",x,k\n0,10,1,2\n500,20,3,2\n";
     let r = mapped(text, "time_s = t/1e3, position_m=-(x - 1)*2, force_n='Force (N)'*k+1").unwrap();
