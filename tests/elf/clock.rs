@@ -5,7 +5,7 @@ use emulator::{Machine, ResetCause};
 
 pub fn a_board_without_its_crystal_runs_and_says_so() {
     let mut board = Board::ready();
-    assert!(board.ok("version").ends_with(", crystal"), "{}", board.ok("version"));
+    assert!(board.ok("version").contains(", crystal"), "{}", board.ok("version"));
     assert!(!board.ok("status").contains("internal clock"));
     let mut machine = Machine::free_handle(image(), 1);
     machine.set_crystal(false);
@@ -16,7 +16,7 @@ pub fn a_board_without_its_crystal_runs_and_says_so() {
         board.ok("version"),
         board.machine.first_step_ms().expect("it runs")
     );
-    assert!(board.ok("version").ends_with("internal clock, off by up to 1 %: the crystal does not start"));
+    assert!(board.ok("version").contains("internal clock, off by up to 1 %: the crystal does not start"));
     assert!(board.ok("status").contains(", internal clock"), "{}", board.ok("status"));
     assert_eq!(board.ok("fault"), "ok no fault");
     board.ok("zero");
@@ -43,7 +43,7 @@ pub fn a_crystal_that_stops_takes_the_force_and_the_device_goes_on_without_it() 
     board.machine.set_crystal(true);
     board.machine.reset_by(ResetCause::Pin);
     board.run(60.0);
-    assert!(board.ok("version").ends_with(", crystal"));
+    assert!(board.ok("version").contains(", crystal"));
 }
 
 pub fn an_internal_clock_off_by_one_percent_loses_no_step_and_no_byte() {

@@ -24,9 +24,9 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
     let left = crate::findings::words::short(rms);
     let (why, experiment) = if search.design.is_one_way() {
         (
-            "no explanation of one part of this recording holds in another; the body passes every place once, so what acts at \
-             a place and what acts at a time look alike",
-            "repeat the move, from other starting points",
+            "no explanation of one part of this recording holds in another: what acts happened once, or depends on something \
+             that is not in the recording; the body passes every place once, so the two look alike",
+            "repeat the move, and record other influences (a load, a temperature, a supply) as further columns",
         )
     } else {
         (

@@ -30,7 +30,7 @@ pub fn effect_cycles(kind: EffectKind) -> u32 {
         EffectKind::Gravity => 310,
         EffectKind::TorqueRipple => 340,
         EffectKind::PeriodicFriction => 350,
-        EffectKind::Cogging => 380,
+        EffectKind::Cogging => 390,
         EffectKind::RisingStaticFriction => 350,
         EffectKind::FrictionalLag => 530,
         EffectKind::Stribeck | EffectKind::SublinearViscous => 590,

@@ -114,8 +114,8 @@ impl Puck {
                 self.speed = self.speed + pull * dt;
                 self.hand = self.hand + self.speed * dt;
             }
-            // a free hand is where the puck is: the coupling gives no force
-            None => (self.hand, self.speed) = (self.block.position, self.block.velocity),
+            // a free hand is where the puck is and only brakes it: else a puck let go on detents would swing for ever
+            None => (self.hand, self.speed) = (self.block.position, Vector::default()),
         }
         let held = self.target.is_some();
         let before = surface.field(self.block.position);
@@ -197,6 +197,17 @@ mod tests {
         println!("rubber: {lost:e} J over {to} m");
         // at least dynamic friction times way: 3.03 N is the mean of [thesis, table 3-3]
         assert!(lost > 3.0 * to && to > 0.01);
+    }
+
+    #[test]
+    fn a_puck_let_go_on_detents_swung_for_ever() {
+        let detents = Surface::named("detents").expect("known");
+        let mut puck = Puck::default();
+        drag(&mut puck, &detents, (0.013, 0.002), 700);
+        puck.let_go();
+        let rows: Vec<Row> = (0..2_000).map(|_| puck.step(&detents)).collect();
+        let last = &rows[rows.len() - 50..];
+        assert!(last.iter().all(|row| row.1[2] == last[0].1[2] && row.1[4].abs() < 1e-6), "{:?}", last[0]);
     }
 
     #[test]
