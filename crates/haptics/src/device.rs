@@ -207,7 +207,7 @@ impl Default for Device {
             overspeed: OVERSPEED,
             rest_speed: REST_SPEED,
             rest_force: REST_FORCE,
-            effect_cycles: 1_100,
+            effect_cycles: 1_130,
             tracking_stiffness: TRACKING_STIFFNESS,
             tracking_damping: TRACKING_DAMPING,
             command_cutoff_hz: 100.0,
