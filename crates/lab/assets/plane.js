@@ -6,8 +6,8 @@ import { wire } from "./wire.js";
 const $ = (id) => document.getElementById(id);
 /** m of an arrow key; with Shift five times as much. */
 const KEY_STEP = 1e-3;
-/** Steps kept: ten seconds. */
-const KEPT = 10_000;
+/** Steps kept: half a minute. */
+const KEPT = 30_000;
 /** Steps of the trail that is drawn: two seconds. */
 const TRAIL = 2000;
 /** Stick spots that are drawn. */

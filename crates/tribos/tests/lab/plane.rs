@@ -26,15 +26,19 @@ fn scale(page: &mut Page) -> [f64; 3] {
     serde_json::from_value(read).expect("three numbers")
 }
 
+/// Waits until the puck rests: what slides on after the drag belongs to the work, too.
+fn at_rest(page: &mut Page) {
+    page.until(
+        "at rest",
+        "lab.plane.rows.length > 50 && lab.plane.rows.slice(-50).every((row) => row[1][2] === lab.plane.rows.at(-1)[1][2])",
+        10,
+    );
+}
+
 fn choose(page: &mut Page, surface: &str) {
     page.eval(&format!("document.querySelector('#surfaces [data-name={surface}]').click()"));
     page.until("the surface", &format!("lab.plane.shown.surface === '{surface}'"), 5);
-    // the puck rests: nothing of the drag before is left
-    page.until(
-        "at rest",
-        "lab.plane.rows.slice(-50).every((row) => row[1][2] === lab.plane.rows.at(-1)[1][2])",
-        10,
-    );
+    at_rest(page);
     page.eval("lab.plane.rows.length = lab.plane.spots.length = 0");
 }
 
@@ -81,6 +85,7 @@ pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
         &mut page,
         (0..180).map(|k| TAU * f64::from(k) / 150.0).map(|a| (0.035 * a.sin(), 0.03 * (1.0 - a.cos()))),
     );
+    at_rest(&mut page);
     let all = steps(&mut page);
     let grain = Grain::at(0.35, 2.0);
     let (mut sliding, mut worst, mut veers, mut lost) = (0, 0.0_f64, 0.0_f64, 0.0);
