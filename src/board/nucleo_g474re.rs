@@ -46,8 +46,8 @@
 //! it stops, the clock security system interrupts: force off, and a restart with the fault `clock`.
 //!
 //! **Brown-out.** When VDD falls below 2.9 V the voltage detector's interrupt drops the enable line within
-//! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR), below 2.8 V with the option byte BOR_LEV = 4; `version`
-//! and `status` say if it is less.
+//! microseconds, and the fault is raised as for the emergency stop. Below 1.7 V the chip resets (BOR), below 2.8 V with the
+//! option byte BOR_LEV = 4; `version` and `status` say if it is less.
 //!
 //! **Emergency stop.** Open for three periods: the enable line falls in the third, independent of the control step, and the fault
 //! is raised every other period while the switch is open, so that `clear` has no effect.

@@ -2,6 +2,7 @@
 
 use crate::closed::{self, DELAY, Error};
 use haptics::{Device, RendererKind, Settings};
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
 /// What was measured of one renderer.
@@ -227,35 +228,16 @@ fn led(settings: &Settings) -> Result<Felt, Error> {
             rows.append(&mut stretch);
         }
     })?;
-    let (mut normal, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for [a, v, way, force] in means {
-        let row = [a, v, way];
-        for (i, into) in normal.iter_mut().enumerate() {
-            for (j, into) in into.iter_mut().enumerate() {
-                *into += row[i] * row[j];
-            }
-            right[i] += row[i] * force;
-        }
+        let row = Vector3::new(a, v, way);
+        normal += row * row.transpose();
+        right += row * force;
     }
-    let [mass, damping, friction] = solve(normal, right);
+    let [[mass, damping, friction]] = normal.lu().solve(&right).unwrap_or(Vector3::repeat(f64::NAN)).data.0;
     let rest: Vec<f64> =
         rows.iter().map(|[a, v, way, force]| force - mass * a - damping * v - friction * way).collect();
     Ok(Felt { renderer: settings.renderer, mass, damping, friction, rest: rms(&rest) })
-}
-
-/// Solution of three normal equations, by Cramer's rule.
-fn solve(a: [[f64; 3]; 3], b: [f64; 3]) -> [f64; 3] {
-    let det = |m: [[f64; 3]; 3]| {
-        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-    };
-    std::array::from_fn(|column| {
-        let mut with = a;
-        for (row, value) in with.iter_mut().zip(b) {
-            row[column] = value;
-        }
-        det(with) / det(a)
-    })
 }
 
 #[cfg(test)]

@@ -197,8 +197,9 @@ fn search<'a>(
     }
 }
 
-/// Names what is left out, with curves over the further columns that the error follows. A force that was measured inside the
-/// machine may follow its friction; effects that explain the error as well without such columns are their rivals.
+/// Names what is left out, with curves over the further columns that the error follows. Such a column may be the cause, or, as
+/// a force that is measured inside the machine, follow the friction: effects that explain the error as well without it are
+/// tried, too.
 pub(crate) fn name_beside_columns(
     intake: &Intake,
     plain: Regression,

@@ -50,7 +50,7 @@ impl Default for Options {
 /// Largest number of a recording, in its unit: a fourth power of it is a number still.
 pub(crate) const LARGEST: f64 = 1e50;
 
-/// Input that cannot be diagnosed. A recording that cannot answer is no error: its verdict is `not_testable`.
+/// Input that cannot be diagnosed. A recording from which nothing can be concluded is accepted: its verdict is `not_testable`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Error {
     /// No recording was given.

@@ -1,7 +1,7 @@
 //! The virtual coupling in the plane: a virtual block of mass M slides on a surface, tied to the handle by a spring K and a damper B.
 //!
 //! The recursion is that of the virtual coupling on a line [thesis, eq. 4.22 to 4.24], with vectors. Friction is a law of
-//! [`friction::planar`]; a field of force, such as detents, acts beside it. Spring and damper are the same in every
+//! [`friction::planar`]; an external force that depends on position, such as detents, may be added. Spring and damper are the same in every
 //! direction, so the loop of handle and block falls into two equal loops, one an axis, and the bounds of [`crate::bounds`]
 //! hold for each. What couples the axes is friction, which only dissipates.
 //!

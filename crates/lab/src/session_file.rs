@@ -16,10 +16,19 @@ fn label(text: &str) -> Result<String, String> {
     }
 }
 
+/// Why another session, or another surface, is refused.
+pub(crate) const OPEN: &str = "a session is open: leave it first";
+
+/// # Errors
+/// [`OPEN`] while a session is open.
+pub(crate) fn none_open(open: bool) -> Result<(), String> {
+    if open { Err(OPEN.into()) } else { Ok(()) }
+}
+
 /// Creates `KIND-SUBJECT-N.jsonl` with the first free N, and its name without `.jsonl`.
 ///
 /// # Errors
-/// A subject that is no label; the file cannot be created.
+/// The subject is not a label; the file cannot be created.
 pub(crate) fn create(
     folder: &Path,
     kind: &str,

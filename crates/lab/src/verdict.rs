@@ -172,7 +172,7 @@ fn bounds_of(settings: &Settings, device: &Device) -> Vec<Bound> {
             friction / bounds::friction_max(device.mass, device.damping, device.period, 1.0),
             "the handle stops instead of chattering (eq. 4.21)",
         )),
-        // the others need no speed that is taken for zero
+        // the others have no dead band dv
         _ => None,
     };
     if let Some((cycle, says)) = cycle {

@@ -235,9 +235,9 @@ impl RingTrial {
     pub fn throughput(&self) -> Option<Throughput> {
         let moves: Vec<(f64, f64, f64)> = self
             .clicks
-            .windows(2)
-            .map(|pair| {
-                let [from, to] = pair else { unreachable!("windows of two") };
+            .iter()
+            .zip(self.clicks.iter().skip(1))
+            .map(|(from, to)| {
                 let (x, y) = (to.target_x_m - from.target_x_m, to.target_y_m - from.target_y_m);
                 let length = x.hypot(y);
                 let along = |dx: f64, dy: f64| (dx * x + dy * y) / length;

@@ -144,7 +144,7 @@ mod tests {
             order: vec![RingCase { surface: "teflon".into(), diameter_m: 0.06, width_m: 0.004 }],
         });
         assert_eq!(task.select(0.0, 0.0, 0.0), None, "the first target is not in the middle");
-        // beyond the target by 0, 1, −1, 3 and 0 mm along the movement, and always 0.5 mm beside it
+        // each selection overshoots by 0, 1, −1, 3 and 0 mm along the movement, and misses by 0.5 mm across it
         let off = [0.0, 0.0, 1e-3, -1e-3, 3e-3, 0.0];
         let mut before = task.target().expect("a target");
         let mut end = None;

@@ -139,8 +139,8 @@ impl ClosedLoop {
     /// w(k+1) = w + T/M F,  p(k+1) = p + T w(k+1),  u(k) = K (p(k+1) − x) + B (w(k+1) − v)
     /// ```
     ///
-    /// The common drift and, released, the coasting of handle and block are left out. The cell sees the hand's spring and damper and the inertia of what is beyond it, under the force that acts at the
-    /// sample.
+    /// The common drift and, released, the coasting of handle and block are left out. The cell sees the hand's spring and
+    /// damper and the inertia of what is beyond it, under the force that acts at the sample.
     #[must_use]
     pub fn radius_admittance(&self, mass: f64, beyond: f64) -> f64 {
         let (free, before, now) = self.sampled();

@@ -16,35 +16,14 @@
 //! A hand stronger than the actuator drags the block along: the spring is never stretched beyond the largest force.
 
 use super::block::{Block, limited};
-use super::virtual_coupling::stops;
 use super::{Handle, Rendered};
 use crate::Config;
-use friction::{FrictionLaw, Motion};
 
 impl Block {
     /// One period of the equations above.
     pub(super) fn step_admittance(&mut self, config: &Config, handle: &Handle) -> Rendered {
         let limit = config.device.force_max;
-        let mut motion = Motion {
-            dt: config.device.period,
-            position: self.position,
-            displacement: self.displacement,
-            velocity: self.velocity,
-            applied: handle.push,
-            mass: config.mass,
-            normal: None,
-        };
-        let mut extra = 0.0;
-        for (effect, state) in config.effects.iter().zip(&mut self.effects) {
-            if let Some(effect) = effect {
-                extra += effect.step(state, &motion);
-            }
-        }
-        motion.applied -= extra;
-        let friction = config.law.step(&mut self.law, &motion);
-        let rests = stops(config, motion.applied, self.velocity, friction);
-        self.velocity =
-            if rests { 0.0 } else { self.velocity + (motion.applied - friction) * config.period_per_mass };
+        let (friction, stuck) = self.slide(config, handle.push);
         let before = self.position;
         self.position += self.velocity * config.device.period;
         let lead = self.position - handle.position;
@@ -59,8 +38,8 @@ impl Block {
             force: limited(follow, limit),
             block_position: self.position,
             block_velocity: self.velocity,
-            friction: friction + extra,
-            stuck: rests,
+            friction,
+            stuck,
         }
     }
 }

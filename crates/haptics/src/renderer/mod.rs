@@ -8,6 +8,7 @@ mod admittance;
 mod block;
 mod dither;
 mod impedance;
+mod slide;
 mod stopping_force;
 mod virtual_coupling;
 

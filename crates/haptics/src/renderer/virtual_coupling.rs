@@ -10,10 +10,7 @@
 use super::block::{Block, limited};
 use super::{Handle, Rendered};
 use crate::Config;
-use friction::{FrictionLaw, Law, Motion};
-
-/// Relative rounding error of the forces that stop a block.
-const ROUNDING: f32 = 1e-5;
+use friction::Law;
 
 impl Block {
     /// One period by [thesis, eq. 4.22 to 4.24].
@@ -24,29 +21,7 @@ impl Block {
         let stretched = config.stiffness * (handle.position - self.position)
             + config.damping * (handle.velocity - self.velocity);
         let coupling = limited(stretched, limit);
-        let mut motion = Motion {
-            dt: config.device.period,
-            position: self.position,
-            displacement: self.displacement,
-            velocity: self.velocity,
-            applied: coupling,
-            mass: config.mass,
-            normal: None,
-        };
-        let mut extra = 0.0;
-        if config.has_effects {
-            for (effect, state) in config.effects.iter().zip(&mut self.effects) {
-                if let Some(effect) = effect {
-                    extra += effect.step(state, &motion);
-                }
-            }
-        }
-        let applied = coupling - extra;
-        motion.applied = applied;
-        let friction = config.law.step(&mut self.law, &motion);
-        let rests = stops(config, applied, self.velocity, friction);
-        self.velocity =
-            if rests { 0.0 } else { self.velocity + (applied - friction) * config.period_per_mass };
+        let (friction, rests) = self.slide(config, coupling);
         self.displacement = self.velocity * config.device.period;
         self.position += self.displacement;
         let stuck = match config.law {
@@ -58,20 +33,8 @@ impl Block {
             force: -coupling,
             block_position: self.position,
             block_velocity: self.velocity,
-            friction: friction + extra,
+            friction,
             stuck,
         }
     }
-}
-
-/// Whether friction brings the block to rest within this period: it equals the stopping force up to rounding or, with Karnopp
-/// inside the dead band, balances the applied force.
-pub(super) fn stops(config: &Config, applied: f32, velocity: f32, friction: f32) -> bool {
-    let momentum = velocity * config.mass_per_period;
-    let rounding = ROUNDING * (applied.abs() + momentum.abs());
-    let brought_to_rest = (applied + momentum - friction).abs() <= rounding;
-    let balanced = matches!(config.law, Law::Karnopp(_))
-        && velocity.abs() < config.dv
-        && (applied - friction).abs() <= rounding;
-    brought_to_rest || balanced
 }

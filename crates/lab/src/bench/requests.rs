@@ -4,6 +4,7 @@ use super::Bench;
 use crate::message::Ask;
 use crate::orders::About;
 use crate::say::Tone;
+use crate::session_file;
 use crate::verdict::{self, word};
 use haptics::{Excitation, Wave};
 
@@ -15,7 +16,7 @@ impl Bench {
             return self.say(Tone::Refused, "device", "no device is connected");
         }
         if self.held(&ask) {
-            return self.say(Tone::Refused, "experiment", "a session is open: leave it first");
+            return self.say(Tone::Refused, "experiment", session_file::OPEN);
         }
         if self.unreferenced(&ask) {
             return self.say(

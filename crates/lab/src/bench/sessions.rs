@@ -64,9 +64,7 @@ impl Bench {
     }
 
     fn begin(&mut self, subject: &str, experiment: Experiment) -> Result<(), String> {
-        if self.experiment.is_some() {
-            return Err("a session is open: leave it first".into());
-        }
+        session_file::none_open(self.experiment.is_some())?;
         let task = Task::new(experiment.clone()).ok_or("a session on the plane begins there")?;
         let kind = if matches!(task, Task::Choice(_)) { "choice" } else { "targeting" };
         let device = self.shared.known(|known| format!("{}: {}", known.port, known.version));
@@ -76,9 +74,7 @@ impl Bench {
     }
 
     pub(super) fn resume(&mut self, file: &str) -> Result<(), String> {
-        if self.experiment.is_some() {
-            return Err("a session is open: leave it first".into());
-        }
+        session_file::none_open(self.experiment.is_some())?;
         if !super::is_name(file, ".jsonl") {
             return Err(format!("no session `{file}`"));
         }

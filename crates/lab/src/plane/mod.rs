@@ -135,17 +135,13 @@ impl Plane {
                 }
             }
             AskPlane::Surface { name } => {
-                if self.task.is_some() {
-                    return Err("a session is open: leave it first".into());
-                }
+                session_file::none_open(self.task.is_some())?;
                 self.put_on(Surface::named(&name)?);
             }
             AskPlane::Hand { at: Some([x, y]) } => self.puck.pull(Vector { x, y })?,
             AskPlane::Hand { at: None } => self.puck.let_go(),
             AskPlane::Begin { subject, seed } => {
-                if self.task.is_some() {
-                    return Err("a session is open: leave it first".into());
-                }
+                session_file::none_open(self.task.is_some())?;
                 let plan = RingPlan::new(&Surface::ALL.map(|surface| surface.name), seed);
                 let device = "the planar handle of the lab: a puck pulled by the pointer".to_owned();
                 let experiment = Experiment::Ring(plan.clone());
@@ -155,9 +151,7 @@ impl Plane {
                 return Ok(true);
             }
             AskPlane::Resume { name } => {
-                if self.task.is_some() {
-                    return Err("a session is open: leave it first".into());
-                }
+                session_file::none_open(self.task.is_some())?;
                 self.task = Some(Task::resume(&self.folder, &name)?);
                 self.follow_task()?;
             }
@@ -230,7 +224,7 @@ mod tests {
 
     /// A target a page would show: the puck is led there and selects.
     fn lead_to(plane: &mut Plane, at: [f64; 2], clock: &mut Instant) -> bool {
-        // beyond the target by what friction takes, until the puck is there
+        // the hand goes beyond the target, as friction holds the puck back, until the puck is there
         let mut aim = at;
         for _ in 0..200 {
             plane.obey(AskPlane::Hand { at: Some(aim) }, *clock).expect("inside");

@@ -64,7 +64,7 @@ impl Puck {
     /// The hand goes there, m; kept inside the plane.
     ///
     /// # Errors
-    /// A place that is no place.
+    /// A coordinate that is not finite.
     pub fn pull(&mut self, to: Vector<f64>) -> Result<(), String> {
         if !(to.x.is_finite() && to.y.is_finite()) {
             return Err("the hand: two finite numbers in m are accepted".into());

@@ -147,7 +147,6 @@ fn answer(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     #[test]
     fn a_flood_filled_the_queue_of_the_device() {

@@ -1,7 +1,7 @@
 //! Tidy CSV: one row an observation, one column a variable, units in the header.
 
 use super::{Analysis, POOLED};
-use crate::{Record, Session, Threshold, segments};
+use crate::{Record, Session, Threshold, Throughput, segments};
 use std::fmt::Write;
 
 /// A cell; quoted where it must be.
@@ -11,6 +11,22 @@ fn cell(text: &str) -> String {
     } else {
         text.to_owned()
     }
+}
+
+/// Columns of [`speed`].
+const SPEED: &str =
+    "movements,effective_width_mm,effective_distance_mm,effective_id_bits,movement_time_s,throughput_bits_s";
+
+fn speed(t: &Throughput) -> String {
+    format!(
+        "{},{},{},{},{},{}",
+        t.movements,
+        t.effective_width_mm,
+        t.effective_distance_mm,
+        t.effective_bits,
+        t.movement_s,
+        t.bits_per_s
+    )
 }
 
 /// File name and contents of every table.
@@ -68,23 +84,15 @@ pub fn tables(sessions: &[Session], analysis: &Analysis) -> Vec<(&'static str, S
                 x.error_mm
             );
         }
-        let mut speeds = String::from(
-            "subject,simulated,resistance,index,movements,effective_width_mm,effective_distance_mm,effective_id_bits,movement_time_s,throughput_bits_s\n",
-        );
+        let mut speeds = format!("subject,simulated,resistance,index,{SPEED}\n");
         for s in &analysis.throughput {
-            let t = &s.throughput;
             let _ = writeln!(
                 speeds,
-                "{},{simulated},{},{},{},{},{},{},{},{}",
+                "{},{simulated},{},{},{}",
                 cell(&s.subject),
                 s.resistance.id(),
                 s.index,
-                t.movements,
-                t.effective_width_mm,
-                t.effective_distance_mm,
-                t.effective_bits,
-                t.movement_s,
-                t.bits_per_s
+                speed(&s.throughput)
             );
         }
         out.extend([
@@ -123,14 +131,12 @@ pub fn tables(sessions: &[Session], analysis: &Analysis) -> Vec<(&'static str, S
         }
     }
     if !analysis.rings.is_empty() {
-        let mut speeds = String::from(
-            "subject,simulated,trial,surface,diameter_mm,width_mm,id_bits,errors,movements,effective_width_mm,effective_distance_mm,effective_id_bits,movement_time_s,throughput_bits_s\n",
-        );
+        let mut speeds =
+            format!("subject,simulated,trial,surface,diameter_mm,width_mm,id_bits,errors,{SPEED}\n");
         for r in &analysis.rings {
-            let t = &r.throughput;
             let _ = writeln!(
                 speeds,
-                "{},{simulated},{},{},{},{},{},{},{},{},{},{},{},{}",
+                "{},{simulated},{},{},{},{},{},{},{}",
                 cell(&r.subject),
                 r.trial,
                 cell(&r.case.surface),
@@ -138,12 +144,7 @@ pub fn tables(sessions: &[Session], analysis: &Analysis) -> Vec<(&'static str, S
                 1e3 * r.case.width_m,
                 r.id_bits,
                 r.errors,
-                t.movements,
-                t.effective_width_mm,
-                t.effective_distance_mm,
-                t.effective_bits,
-                t.movement_s,
-                t.bits_per_s
+                speed(&r.throughput)
             );
         }
         out.push(("plane.csv", speeds));

@@ -92,8 +92,11 @@ fn grid_json(cells: &[Cell], dv: f64) -> Value {
 /// A name, mass kg, and friction N of a block that shows what each renderer is good for.
 const BLOCKS: [(&str, f32, f32); 2] = [("heavy and sticky", 2.0, 4.0), ("light and free", 0.1, 0.1)];
 
+/// What was felt of a block by one renderer.
+type FeltBy = (RendererKind, std::result::Result<renderers::Felt, design::Error>);
+
 /// Such a block, and what was felt of it.
-type Led = (&'static str, f32, f32, Vec<(RendererKind, std::result::Result<renderers::Felt, design::Error>)>);
+type Led = (&'static str, f32, f32, Vec<FeltBy>);
 
 /// A block with a static friction 1.2 times its dynamic one, on the coupling of brass.
 fn block(mass: f32, friction: f32) -> Settings {
@@ -134,7 +137,7 @@ fn felt_table(felt: &[Led]) -> String {
 
 fn felt_json(felt: &[Led]) -> Value {
     let row = |(name, mass, friction, all): &Led| -> Vec<Value> {
-        let one = |(renderer, felt): &(RendererKind, std::result::Result<renderers::Felt, design::Error>)| {
+        let one = |(renderer, felt): &FeltBy| {
             let felt = match felt {
                 Ok(f) => {
                     json!({ "mass_kg": f.mass, "damping_n_s_per_m": f.damping, "friction_n": f.friction, "rest_n": f.rest })

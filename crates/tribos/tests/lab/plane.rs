@@ -5,6 +5,7 @@ use friction::planar::{Grain, Vector};
 use perception::{Record, Session};
 use serde_json::Value;
 use std::f64::consts::TAU;
+use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
@@ -15,6 +16,16 @@ struct Step {
     pull: Vector<f64>,
     friction: Vector<f64>,
     stuck: bool,
+}
+
+/// The page with the plane, of a lab that keeps its sessions in `folder`.
+fn plane_page(folder: &Path) -> (Lab, Page) {
+    let chromium = chromium();
+    let lab = Lab::start(folder, &["sim"]);
+    let mut page = Page::of(&lab, &chromium, (1280, 860));
+    page.eval("document.querySelector('#tab-plane').click()");
+    page.until("the plane", "lab.plane.rows.length > 20", 10);
+    (lab, page)
 }
 
 /// Centre of the canvas, and CSS pixels of a metre.
@@ -72,12 +83,8 @@ fn steps(page: &mut Page) -> Vec<Step> {
 }
 
 pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
-    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
-    let lab = Lab::start(folder.path(), &["sim"]);
-    let mut page = Page::of(&lab, &chromium, (1280, 860));
-    page.eval("document.querySelector('#tab-plane').click()");
-    page.until("the plane", "lab.plane.rows.length > 20", 10);
+    let (_lab, mut page) = plane_page(folder.path());
 
     // wood: 1.2 N along a grain of 0.35 rad, twice as much across it
     choose(&mut page, "wood");
@@ -144,12 +151,8 @@ pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
 }
 
 pub fn a_circle_of_targets_is_selected_kept_and_analysed() {
-    let chromium = chromium();
     let folder = tempfile::tempdir().expect("a folder");
-    let lab = Lab::start(folder.path(), &["sim"]);
-    let mut page = Page::of(&lab, &chromium, (1280, 860));
-    page.eval("document.querySelector('#tab-plane').click()");
-    page.until("the plane", "lab.plane.rows.length > 20", 10);
+    let (_lab, mut page) = plane_page(folder.path());
     page.eval("document.querySelector('#ring-begin button').click()");
     page.until("a circle", "lab.plane.shown.circle", 5);
     let [x, y, per] = scale(&mut page);
