@@ -11,6 +11,7 @@ use crate::findings::nuisance;
 use crate::findings::unnamed::SEVERAL;
 use crate::findings::validate::{Judge, judges};
 use crate::free_form;
+use crate::free_form::hum::{self, Hum};
 use crate::library::baseline::BASELINE;
 use crate::library::design_matrix::{DesignMatrix, FEWEST_ROWS};
 use crate::library::series;
@@ -30,7 +31,7 @@ use crate::result::{
 };
 use crate::search::hypothesis::Hypothesis;
 use crate::search::joint::Joint;
-use crate::search::judgement::Search;
+use crate::search::judgement::{LEVEL, Search};
 use crate::search::lasting::{self, Withdrawn};
 use crate::search::regression::Regression;
 use friction::Dimension;
@@ -139,6 +140,13 @@ pub fn diagnose_watched(
         origins = nuisance::origins(&first);
         intake.move_origins(&origins);
     }
+    let fresh = |found: &[Hum]| {
+        let mut without = intake.clone();
+        without.take_out_hums(found);
+        DesignMatrix::new(&without.stretches, cutoff, without.reversals, false)
+    };
+    let hums = hum::find(fresh, &intake.extra, cutoff, options.seed);
+    intake.take_out_hums(&hums);
     let Some(design) = with_delay(&intake.stretches, cutoff, intake.reversals) else {
         return Ok(untestable(
             intake,
@@ -192,7 +200,7 @@ pub fn diagnose_watched(
         );
         intake.faults.push(RecordingFault::new(FaultKind::TooShort, None, why));
     }
-    Ok(Run { intake, cutoff, options, origins, named, astray }.diagnose(&judges, watch)?)
+    Ok(Run { intake, cutoff, options, origins, hums, named, astray }.diagnose(&judges, watch)?)
 }
 
 /// A delay of up to one sample between force and position is how the recording was made, not physics: it is fitted
@@ -215,6 +223,8 @@ struct Run<'a> {
     cutoff: f64,
     options: &'a Options,
     origins: Vec<(usize, Option<(f64, f64)>)>,
+    /// Forces that repeat in time, which were taken out.
+    hums: Vec<Hum>,
     named: Named,
     /// Curves over further columns that do not hold on other recordings.
     astray: Option<CarriesNot>,
@@ -263,7 +273,8 @@ impl Run<'_> {
         );
 
         let followed = &named.regression.followed;
-        let before = named.regression.plain.fit.heldout_sum();
+        let hums: f64 = self.hums.iter().map(|h| h.squared.0 - h.squared.1).sum();
+        let before = named.regression.plain.fit.heldout_sum() + hums * rows;
         let after = last.fit.heldout_sum();
         let kin: Vec<&str> = named.kin.iter().map(TermKind::id).collect();
         let unnamed: Vec<Missing> = last
@@ -329,10 +340,22 @@ impl Run<'_> {
         };
         let of_fit: Vec<Location> = located.regions.into_iter().take(MOST_REGIONS).collect();
         let follows = findings::unnamed::where_it_follows(followed);
-        let mut location = [follows, shown(&ahead), of_fit, shown(&behind)].concat();
+        let mut hummed: Vec<Location> = Vec::new();
+        if let Some(last) = row_times(design).last().filter(|_| !self.hums.is_empty()) {
+            hummed.push(Location {
+                coordinate: "time".into(),
+                from: design.tracks.first().map_or(0.0, |t| t.time(0)),
+                to: *last,
+                unit: "s".into(),
+                share_of_mismatch: hums * rows / before,
+                p: LEVEL,
+            });
+        }
+        let mut location = [hummed, follows, shown(&ahead), of_fit, shown(&behind)].concat();
         missing.extend(ahead.into_iter().chain(behind).map(|(m, _)| m));
         missing.extend(findings::unnamed::follows(followed, &named.instead));
         missing.extend(unnamed);
+        missing.extend(self.hums.iter().map(|h| h.missing(geometry)));
         missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
         missing.extend(elsewhere);
         let verdict = if missing.is_empty() { Verdict::NoMismatch } else { Verdict::Mismatch };
@@ -592,6 +615,10 @@ impl Run<'_> {
     /// Error on the recordings that judge; without any, on the regime left out in which the model does worst.
     fn left_out(&self, judges: &[Judge], found: &Hypothesis, search: &Search) -> Option<LeftOut> {
         let named = &self.named;
+        // a hum is fitted over the whole recording: beside it nothing may be left that a half could predict
+        if judges.is_empty() && !self.hums.is_empty() && found.atoms.is_empty() && found.free.is_empty() {
+            return None;
+        }
         if judges.is_empty() {
             return lasting::left_out(search, found, &named.regimes, named.regression.plain_columns())
                 .map(|(on, rms_before, rms_after)| LeftOut { on, rms_before, rms_after });

@@ -136,6 +136,9 @@ pub struct FreeCurve {
     /// Time constant with which what was slid fades, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory_s: Option<f64>,
+    /// Time after which it repeats, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period_s: Option<f64>,
     /// Knots on the first coordinate.
     pub knots: Vec<f64>,
     /// Knots on the second; empty for a curve.

@@ -18,6 +18,9 @@ pub struct Candidate {
 /// Time constants of what was slid, as shares of the length of the longest recording.
 const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 
+/// Knots of a curve, and of either axis of a map, at first.
+const FIRST: (usize, usize) = (14, 6);
+
 /// Most samples that decide where knots stand.
 const SAMPLES: usize = 20_000;
 
@@ -78,6 +81,12 @@ impl Library {
         Self { candidates, kept: Mutex::default() }
     }
 
+    /// Candidates that depend on the motion alone.
+    pub fn of_motion(&self) -> impl Iterator<Item = Candidate> {
+        let timed = |c: &Candidate| c.over == Coordinate::Time || c.across == Some(Coordinate::Time);
+        self.candidates.iter().copied().filter(move |c| !timed(c))
+    }
+
     /// The form of a candidate with this many knots, and its columns.
     pub fn get(&self, design: &DesignMatrix, candidate: Candidate, first: usize, second: usize) -> Columns {
         let key = (candidate, first, second);
@@ -97,6 +106,11 @@ impl Library {
 }
 
 impl Candidate {
+    /// Numbers of knots to begin with.
+    pub fn first_knots(&self) -> (usize, usize) {
+        if self.across.is_some() { (FIRST.1, FIRST.1) } else { (FIRST.0, 0) }
+    }
+
     /// The form with knots where the motion is: `first` on its first axis, `second` on the other. None where a coordinate
     /// does not change.
     pub fn form(&self, design: &DesignMatrix, first: usize, second: usize) -> Option<FreeForm<f64>> {

@@ -13,8 +13,6 @@ use signals::{Basis, dot};
 
 /// Most free forms.
 const MOST: usize = 3;
-/// Knots of a curve, and of either axis of a map, at first.
-const FIRST: (usize, usize) = (14, 6);
 /// Knots tried for the best candidates.
 const CURVES: [usize; 3] = [5, 8, 22];
 const MAPS: [(usize, usize); 4] = [(4, 4), (5, 8), (8, 5), (10, 10)];
@@ -158,9 +156,8 @@ fn next(
         let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
         Some(Trial { candidate, term, fit })
     };
-    let shape = |c: &Candidate| if c.across.is_some() { (FIRST.1, FIRST.1) } else { (FIRST.0, 0) };
     let mut trials: Vec<Trial> =
-        library.candidates.par_iter().copied().filter_map(|c| trial(c, shape(&c))).collect();
+        library.candidates.par_iter().copied().filter_map(|c| trial(c, c.first_knots())).collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
     let p = significance(search, &so_far.fit, &trials, &basis)?;

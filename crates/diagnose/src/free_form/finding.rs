@@ -107,6 +107,7 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
             curve: FreeCurve {
                 times: form.times.id().into(),
                 memory_s: (form.over == Coordinate::Slid).then_some(form.memory),
+                period_s: None,
                 knots: form.knots.places().to_vec(),
                 knots_across: form.across.map(|(_, k)| k.places().to_vec()).unwrap_or_default(),
                 values: form.values().to_vec(),

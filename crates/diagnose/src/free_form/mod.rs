@@ -7,4 +7,5 @@ pub mod crossing;
 pub mod describe;
 pub mod finding;
 pub mod formula;
+pub mod hum;
 pub mod term;

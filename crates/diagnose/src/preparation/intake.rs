@@ -1,6 +1,7 @@
 //! Recordings that are diagnosed together: each prepared as everybody has it, checked to belong together.
 
 use crate::findings::channel::Channel;
+use crate::free_form::hum::Hum;
 use crate::options::{Error, LARGEST};
 use crate::preparation::drift::Drift;
 use crate::preparation::track::{Reversals, one_way, stride};
@@ -74,6 +75,18 @@ impl Intake {
                 d.slope.1 * d.duration
             );
             self.faults.push(RecordingFault::new(FaultKind::ForceDrift, None, why));
+        }
+    }
+}
+
+impl Intake {
+    /// Takes forces that repeat in time out of the force channel.
+    pub fn take_out_hums(&mut self, hums: &[Hum]) {
+        for s in &mut self.stretches {
+            for (i, f) in s.force.iter_mut().enumerate() {
+                let time = s.start + i as f64 * s.dt;
+                *f -= hums.iter().map(|h| h.force(s.recording, time)).sum::<f64>();
+            }
         }
     }
 }

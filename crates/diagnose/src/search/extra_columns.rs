@@ -114,6 +114,12 @@ impl ExtraColumn {
         })
     }
 
+    /// Columns of a curve over it, and of one that multiplies the direction.
+    pub fn curves(&self, design: &DesignMatrix) -> Vec<Vec<Vec<f64>>> {
+        let knots = self.knots(design).into_iter();
+        knots.flat_map(|knots| [false, true].map(|way| self.curve(design, &knots, way))).collect()
+    }
+
     /// Knots of a curve over it; None where it does not change.
     fn knots(&self, design: &DesignMatrix) -> Option<Vec<f64>> {
         let all: Vec<f64> = design.tracks.iter().flat_map(|t| self.at(t)).collect();

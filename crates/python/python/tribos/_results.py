@@ -170,6 +170,7 @@ class FreeCurve:
     band: List[Optional[float]]
     unit: str
     memory_s: Optional[float] = None
+    period_s: Optional[float] = None
     knots_across: List[Optional[float]] = field(default_factory=list)
 
 
