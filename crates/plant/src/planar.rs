@@ -111,7 +111,8 @@ impl Path {
             Self::Lines { half, frequency: f, lines } => {
                 let line = libm::floor(f * time / 2.0);
                 let angle = core::f64::consts::PI * line / f64::from(lines.max(1));
-                let along = half * sine(f, 0.0);
+                // at rest in the middle, where the line turns
+                let along = half * libm::pow(sine(f, 0.0), 3.0);
                 Vector { x: along * libm::cos(angle), y: along * libm::sin(angle) }
             }
         }
@@ -298,8 +299,9 @@ mod tests {
             let path = Path::Lines { half: 0.02, frequency: 1.0, lines };
             // two periods a line
             let seen = rig.record(&path, 2.0 * (line + 1.0), no_field);
-            // a moment of the largest speed: the drive balances friction
-            let at = (2000.0 * line + 1000.0) as usize;
+            // where sin³ is steepest: no acceleration, the drive balances friction
+            let at = (2000.0 * line + 1000.0 * libm::asin(libm::sqrt(2.0 / 3.0)) / core::f64::consts::TAU)
+                as usize;
             libm::sqrt(seen.force[0][at].powi(2) + seen.force[1][at].powi(2))
         };
         let found: Vec<f64> = (0..6).map(|line| along(6, f64::from(line))).collect();
