@@ -26,7 +26,7 @@
 //! # Ok::<(), diagnose::Error>(())
 //! ```
 //!
-//! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`], or [`diagnose_watched`] which can be interrupted, is the only entry; [`Diagnosis`] is both the
+//! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`], or [`diagnose_watched`] which can be interrupted, is the entry, and [`diagnose_planar`] that for two axes; [`Diagnosis`] is both the
 //! JSON (`tribos.diagnosis/2`) and the series for the report.
 #![forbid(unsafe_code)]
 
@@ -38,10 +38,13 @@ mod naming;
 mod options;
 mod per_recording;
 mod pipeline;
+mod planar;
 mod preparation;
 mod regression;
 mod result;
 mod search;
+
+use friction::effects::{Anisotropy, Describe};
 
 pub use experiment::moves::{Limits, Move};
 pub use experiment::proposal::{ENOUGH, Experiment, NextExperiment, WORTHWHILE};
@@ -49,6 +52,7 @@ pub use findings::words::{ForceError, summary};
 pub use options::{Error, Options};
 pub use per_recording::{Nuisance, PerRecording};
 pub use pipeline::{diagnose, diagnose_watched};
+pub use planar::{PlanarDiagnosis, diagnose_planar};
 pub use result::{
     After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, FreeCurve, FreeFormFinding, LeftOut,
     Location, LooksLike, Missing, NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,
@@ -59,5 +63,6 @@ pub use result::{
 pub fn effect_ids() -> Vec<&'static str> {
     let named: Vec<&str> = library::term::TermKind::all().iter().map(library::term::TermKind::id).collect();
     let compared = friction::effects::CATALOGUE.iter().filter(|a| a.comparison.is_some()).map(|a| a.id);
-    named.iter().copied().chain(compared.filter(|id| !named.contains(id))).collect()
+    let planar = [<Anisotropy as Describe>::ABOUT.id];
+    named.iter().copied().chain(compared.filter(|id| !named.contains(id))).chain(planar).collect()
 }
