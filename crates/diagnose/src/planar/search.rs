@@ -180,6 +180,10 @@ impl Search<'_> {
             for column in own {
                 let beyond = basis.project_out(column);
                 if dot(&beyond, &beyond) < outside(term.kind).powi(2) * dot(column, column) {
+                    if term.kind == Kind::Anisotropy {
+                        // a size without an angle is none
+                        return (0.0, *term);
+                    }
                     continue;
                 }
                 let own = rest.project_out(&beyond);
@@ -360,6 +364,7 @@ impl Search<'_> {
         let of = |kind: &Kind| {
             let mut bound: Option<f64> = None;
             let own = self.catalogue.iter().zip(self.columns).filter(|(t, _)| t.kind == *kind);
+            let mut hidden = false;
             for column in own.flat_map(|(_, columns)| columns) {
                 let rest = basis.project_out(column);
                 let (own, all) = (dot(&rest, &rest), dot(column, column));
@@ -369,7 +374,12 @@ impl Search<'_> {
                     let std = 1.5 * noise / own.sqrt();
                     let force = (gain + 1.96 * std) * (all / self.rows()).sqrt();
                     bound = Some(bound.map_or(force, |b: f64| b.max(force)));
+                } else {
+                    hidden = true;
                 }
+            }
+            if *kind == Kind::Anisotropy && hidden {
+                bound = None;
             }
             (*kind, bound)
         };
