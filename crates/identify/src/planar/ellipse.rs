@@ -23,7 +23,7 @@ impl Ellipse {
     /// use friction::planar::Vector;
     /// use identify::planar::Ellipse;
     /// let ellipse = Ellipse { level: 2.0, c: -0.3, s: 0.2 };
-    /// let [force, ..] = ellipse.force(0.1, 0.04);
+    /// let force = ellipse.force(0.1, 0.04)[0];
     /// let by_grain = ellipse.grain().sliding(Vector { x: 0.1, y: 0.04 }, ellipse.along());
     /// assert!((force[0] - by_grain.x).abs() < 1e-12 && (force[1] - by_grain.y).abs() < 1e-12);
     /// ```
