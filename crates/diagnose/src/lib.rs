@@ -44,15 +44,13 @@ mod regression;
 mod result;
 mod search;
 
-use friction::effects::{Anisotropy, Describe};
-
 pub use experiment::moves::{Limits, Move};
 pub use experiment::proposal::{ENOUGH, Experiment, NextExperiment, WORTHWHILE};
 pub use findings::words::{ForceError, summary};
 pub use options::{Error, Options};
 pub use per_recording::{Nuisance, PerRecording};
 pub use pipeline::{diagnose, diagnose_watched};
-pub use planar::{PlanarDiagnosis, diagnose_planar};
+pub use planar::{PlanarDiagnosis, diagnose_planar, planar_effect_ids};
 pub use result::{
     After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, FreeCurve, FreeFormFinding, LeftOut,
     Location, LooksLike, Missing, NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,
@@ -63,6 +61,5 @@ pub use result::{
 pub fn effect_ids() -> Vec<&'static str> {
     let named: Vec<&str> = library::term::TermKind::all().iter().map(library::term::TermKind::id).collect();
     let compared = friction::effects::CATALOGUE.iter().filter(|a| a.comparison.is_some()).map(|a| a.id);
-    let planar = [<Anisotropy as Describe>::ABOUT.id];
-    named.iter().copied().chain(compared.filter(|id| !named.contains(id))).chain(planar).collect()
+    named.iter().copied().chain(compared.filter(|id| !named.contains(id))).collect()
 }

@@ -183,3 +183,80 @@ pub fn predict(model: &PlanarModel, recording: &PlanarRecording) -> Result<Predi
     out.relative = (error / size.max(1e-300)).sqrt();
     Ok(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    /// A body of 0.5 kg pushed around two ellipses, 1 N of friction along x and 1.4 N along y. The forces are written down from the
+    /// motion, not by a law of this workspace.
+    fn written(folder: &Path) -> PathBuf {
+        let (mass, along, across) = (0.5, 1.0, 1.4);
+        let mut text = String::from("time_s,position_x_m,position_y_m,force_x_n,force_y_n\n");
+        for i in 0..8000 {
+            let t = f64::from(i) * 1e-3;
+            let axis = |a: f64, w: f64, p: f64| {
+                let (sine, cosine) = (w * t + p).sin_cos();
+                [a * sine, a * w * cosine, -a * w * w * sine]
+            };
+            let sum = |one: [f64; 3], other: [f64; 3]| [0, 1, 2].map(|k| one[k] + other[k]);
+            let x = sum(axis(0.03, 5.0, 0.0), axis(0.01, 13.1, 1.0));
+            let y = sum(axis(0.03, 6.3, 0.7), axis(0.01, 16.9, 0.2));
+            // the force on the ellipse that takes most power from the motion
+            let power = (along * x[1]).hypot(across * y[1]);
+            let noise = |k: f64| 0.02 * (1e4 * t * t + k).sin();
+            let fx = mass * x[2] + along * along * x[1] / power + noise(0.0);
+            let fy = mass * y[2] + across * across * y[1] / power + noise(2.0);
+            text += &format!("{t},{},{},{fx},{fy}\n", x[0], y[0]);
+        }
+        let path = folder.join("ellipses.csv");
+        std::fs::write(&path, text).expect("written");
+        path
+    }
+
+    fn planar(path: &Path) -> Vec<PlanarRecording> {
+        match read_all(&[path], &[], None).expect("read") {
+            Recordings::Plane(recordings) => recordings,
+            Recordings::Line(_) => panic!("in the plane"),
+        }
+    }
+
+    #[test]
+    fn a_file_in_the_plane_is_identified_predicted_and_reported() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let recordings = planar(&written(folder.path()));
+        let found = identify(&recordings, &How::default()).expect("identified");
+        let value = |name: &str| found.planar.found.value(name).unwrap_or(f64::NAN);
+        println!("{:?}", found.planar.found.parameters);
+        assert!((value("level_along") - 1.0).abs() < 0.01 && (value("level_across") - 1.4).abs() < 0.01);
+        assert!(value("angle").abs() < 0.02 && (value("mass") - 0.5).abs() < 0.005);
+        assert_eq!(found.planar.model.name, "ellipses");
+        let page = found.report();
+        assert!(page.contains("Direction of friction against direction of motion") && page.contains("<svg"));
+        let predicted = predict(&found.planar.model, &recordings[0]).expect("predicted");
+        println!("{:.2} % of the force is left", 100.0 * predicted.relative);
+        assert!(predicted.time.len() == 8000 && predicted.relative < 0.02);
+        let how = How { law: FittedLaw::Dahl, ..How::default() };
+        let refused = identify(&recordings, &how).expect_err("refused").to_string();
+        assert!(refused.contains("dahl") && refused.contains("on a line"), "{refused}");
+    }
+
+    #[test]
+    fn files_of_both_kinds_are_refused_together() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let plane = written(folder.path());
+        let line = folder.path().join("line.csv");
+        std::fs::write(&line, "time_s,position_m,force_n\n0,1,2\n1,2,3\n").expect("written");
+        let says = |paths: &[&PathBuf]| read_all(paths, &[], None).expect_err("refused").to_string();
+        assert!(says(&[&line, &plane]).contains("line.csv: is on a line, and others are in the plane"));
+        let half = folder.path().join("half.csv");
+        std::fs::write(&half, "time_s,position_x_m,force_x_n,force_y_n\n0,1,2,3\n").expect("written");
+        assert!(says(&[&half]).contains("position_x_m without position_y_m"), "{}", says(&[&half]));
+        // one axis of it, as a map says, is on a line
+        let map = ["time_s=time_s,position_m=position_x_m,force_n=force_x_n".to_owned()];
+        assert!(matches!(read_all(&[&plane], &map, None), Ok(Recordings::Line(_))));
+        let refused = crate::recordings::read_all(&[&plane], &[], None).expect_err("refused").to_string();
+        assert!(refused.contains("is a recording in the plane"), "{refused}");
+    }
+}

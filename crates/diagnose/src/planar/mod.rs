@@ -35,6 +35,14 @@ const LINES: &str = "slide to and fro along lines in several directions, each at
 /// Most regions that are told.
 const MOST_REGIONS: usize = 12;
 
+/// Ids of every effect that a diagnosis in the plane can name.
+#[must_use]
+pub fn planar_effect_ids() -> Vec<&'static str> {
+    let mut ids: Vec<&str> = Kind::all(&[]).into_iter().map(|kind| kind.about().id).collect();
+    ids.dedup();
+    ids
+}
+
 /// A diagnosis in the plane.
 #[derive(Debug, Clone)]
 pub struct PlanarDiagnosis {

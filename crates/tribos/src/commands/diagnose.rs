@@ -150,7 +150,9 @@ pub(crate) fn is_there(found: &Diagnosis, finding: &str) -> bool {
 /// Every effect that a diagnosis can name, for the help.
 fn effects_help() -> String {
     let mut out = String::from("Effects:\n");
-    for about in diagnose::effect_ids().into_iter().filter_map(friction::effects::about) {
+    let line = diagnose::effect_ids();
+    let planar = diagnose::planar_effect_ids().into_iter().filter(|id| !line.contains(id));
+    for about in line.iter().copied().chain(planar).filter_map(friction::effects::about) {
         out += &format!("  {:28} {}\n", about.id, about.says);
     }
     out
