@@ -11,6 +11,7 @@ mod search;
 mod term;
 
 use crate::findings::floor::REGULAR;
+use crate::findings::unnamed::SEVERAL;
 use crate::findings::words;
 use crate::options::{Error, Options, Watch, tell};
 use crate::pipeline::unanswered;
@@ -161,10 +162,15 @@ fn run(
     let to_rms = |sum: f64| (sum / rows.max(1e-300)).sqrt();
     let after = last.fit.heldout_sum();
     let excess = |sum: f64| (sum - squared).max(0.0);
-    if missing.is_empty() && left.p <= 0.001 && to_rms(excess(after)) > floor.max(2.0 * systematic) {
+    // a level by direction that is no ellipse leaves most of the error behind the ellipse that is nearest to it
+    if left.p <= 0.001 && to_rms(excess(after)) > floor.max(2.0 * systematic) {
         missing.extend(unnamed(&left, to_rms(after)));
     }
-    let (blind_to, rejected) = told.not_found(&kinds);
+    let (blind_to, mut rejected) = told.not_found(&kinds);
+    // what is left could be any of them
+    if to_rms(after) > SEVERAL * floor {
+        rejected.clear();
+    }
     let verdict = if missing.is_empty() { Verdict::NoMismatch } else { Verdict::Mismatch };
     let before = baseline.fit.heldout_sum();
     let mut curves = located.curves;
