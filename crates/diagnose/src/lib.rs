@@ -26,7 +26,7 @@
 //! # Ok::<(), diagnose::Error>(())
 //! ```
 //!
-//! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`], or [`diagnose_watched`] which can be interrupted, is the only entry; [`Diagnosis`] is both the
+//! `examples/find.rs` does the same with a file, in ten lines. [`diagnose`], or [`diagnose_watched`] which can be interrupted, is the entry, and [`diagnose_planar`] that for two axes; [`Diagnosis`] is both the
 //! JSON (`tribos.diagnosis/2`) and the series for the report.
 #![forbid(unsafe_code)]
 
@@ -38,6 +38,7 @@ mod naming;
 mod options;
 mod per_recording;
 mod pipeline;
+mod planar;
 mod preparation;
 mod regression;
 mod result;
@@ -49,6 +50,7 @@ pub use findings::words::{ForceError, summary};
 pub use options::{Error, Options};
 pub use per_recording::{Nuisance, PerRecording};
 pub use pipeline::{diagnose, diagnose_watched};
+pub use planar::{PlanarDiagnosis, diagnose_planar, planar_effect_ids};
 pub use result::{
     After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, FreeCurve, FreeFormFinding, LeftOut,
     Location, LooksLike, Missing, NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,

@@ -39,7 +39,7 @@ use friction::effects::{Describe, Parameter, Unnamed};
 use friction::parameters::{DELAY, DELTA_V};
 use rayon::prelude::*;
 use signals::{
-    Channels, FaultKind, Noise, Recording, RecordingFault, central_difference, derived_noise,
+    Channels, FaultKind, Noise, Preparation, Recording, RecordingFault, central_difference, derived_noise,
     implausible_mass,
 };
 use std::collections::BTreeMap;
@@ -670,14 +670,25 @@ fn detectable(rejected: &[crate::result::Rejected]) -> f64 {
 
 fn untestable(intake: Intake, because: &str) -> Diagnosis {
     let noise = intake.stretches.first().map_or(Noise::default(), |s| derived_noise(s, 1.0));
-    let unit = Dimension::FORCE.unit(intake.geometry);
+    let unit = Dimension::FORCE.unit(intake.geometry).to_string();
+    unanswered(intake.faults, intake.reports, noise.force, unit, because)
+}
+
+/// The diagnosis of recordings that cannot answer.
+pub(crate) fn unanswered(
+    faults: Vec<RecordingFault>,
+    reports: Vec<Preparation>,
+    noise: f64,
+    unit: String,
+    because: &str,
+) -> Diagnosis {
     let mut diagnosis = Diagnosis {
         schema: SCHEMA,
         verdict: Verdict::NotTestable,
         summary: format!("This recording cannot answer: {because}."),
-        recording_faults: intake.faults,
-        preparation: intake.reports,
-        noise_floor: NoiseFloor { rms: noise.force, unit: unit.to_string(), how: "local differences".into() },
+        recording_faults: faults,
+        preparation: reports,
+        noise_floor: NoiseFloor { rms: noise, unit, how: "local differences".into() },
         baseline: Baseline { law: "karnopp".into(), parameters: BTreeMap::new(), rms_heldout: f64::NAN },
         location: Vec::new(),
         missing: Vec::new(),

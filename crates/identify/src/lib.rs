@@ -2,7 +2,7 @@
 //!
 //! [`prepare`] derives [`Signals`] from a recording; [`identify_karnopp`] [thesis, eq. 3.5 to 3.9] or [`identify_dahl`]
 //! [thesis, eq. 3.2, 3.3, 3.10] fits them. The result is an [`Identification`], and a [`Model`] predicts, simulates, and is a
-//! preset of the device.
+//! preset of the device. [`planar`] does the same with two axes.
 #![forbid(unsafe_code)]
 
 mod dahl;
@@ -17,6 +17,7 @@ mod model_read;
 mod model_toml;
 mod model_words;
 mod moves;
+pub mod planar;
 mod predict;
 mod preprocess;
 mod ready;

@@ -26,7 +26,10 @@ pub fn check(options: &Options, recordings: usize) -> Result<()> {
 /// # Errors
 /// An unknown id, with those that are known.
 pub fn check_finding(id: &str) -> Result<()> {
-    let known = diagnose::effect_ids();
+    let mut known = diagnose::effect_ids();
+    let planar: Vec<&str> =
+        diagnose::planar_effect_ids().into_iter().filter(|id| !known.contains(id)).collect();
+    known.extend(planar);
     if known.contains(&id) || VERDICTS.contains(&id) || id == Unnamed::ABOUT.id {
         return Ok(());
     }

@@ -27,6 +27,7 @@ pub mod identified;
 pub mod investigate;
 pub mod library;
 pub mod numbers;
+pub mod planar;
 pub mod predicted;
 mod prediction_errors;
 pub mod recordings;

@@ -16,6 +16,7 @@ pub mod files;
 mod filter;
 mod formats;
 mod noise;
+mod planar;
 mod prepare;
 mod recording;
 mod smoother;
@@ -34,6 +35,7 @@ pub use filter::{
 };
 pub use formats::{Map, ReadOptions, WRITTEN, check_suffix, is_bag};
 pub use noise::{Calibration, Source, Sources, calibrate_accelerometer, noise_std, noise_variance, quantum};
+pub use planar::{AXES, PlanarPrepared, PlanarRecording, prepare_planar};
 pub use prepare::{
     ChannelReport, Channels, Column, Cutoff, Cutoffs, Estimated, Noise, Preparation, Prepared, Settings,
     Wave, WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated, prepare,

@@ -3,7 +3,7 @@
 use crate::failure::{Failure, Result};
 use crate::files;
 use crate::options::Mapping;
-use procedures::recordings;
+use procedures::{planar, recordings};
 use signals::Recording;
 use std::path::Path;
 
@@ -21,11 +21,27 @@ pub(crate) fn read(path: &Path, mapping: &Mapping) -> Result<Recording> {
 /// Those of [`recordings::read_all`].
 pub(crate) fn read_all(paths: &[impl AsRef<Path>], mapping: &Mapping) -> Result<Vec<Recording>> {
     let read = recordings::read_all(paths, &mapping.maps, mapping.joint.as_deref())?;
-    for recording in &read {
+    print_remarks(&read);
+    Ok(read)
+}
+
+fn print_remarks(recordings: &[Recording]) {
+    for recording in recordings {
         for remark in &recording.remarks {
             // standard output may be JSON
             eprintln!("{}: {remark}", recording.name);
         }
+    }
+}
+
+/// Reads all recordings, on a line or in the plane.
+///
+/// # Errors
+/// Those of [`planar::read_all`].
+pub(crate) fn read_any(paths: &[impl AsRef<Path>], mapping: &Mapping) -> Result<planar::Recordings> {
+    let read = planar::read_all(paths, &mapping.maps, mapping.joint.as_deref())?;
+    if let planar::Recordings::Line(read) = &read {
+        print_remarks(read);
     }
     Ok(read)
 }

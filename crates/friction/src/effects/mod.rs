@@ -199,6 +199,7 @@ catalogue! {
         force_crosstalk::ForceCrosstalk,
         nonlocal_memory::NonlocalMemory,
         cable_hysteresis::CableHysteresis,
+        anisotropy::Anisotropy,
         unnamed::Unnamed,
     }
 }

@@ -22,6 +22,7 @@
 mod any;
 mod coulomb;
 mod dahl;
+mod effect;
 mod elasto_plastic;
 mod grain;
 mod karnopp;
@@ -33,6 +34,7 @@ pub use crate::coulomb::CoulombState;
 pub use any::{Law, LawState};
 pub use coulomb::Coulomb;
 pub use dahl::{Dahl, DahlState};
+pub use effect::{InPlane, bent};
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticState};
 pub use grain::Grain;
 pub use karnopp::Karnopp;

@@ -95,6 +95,8 @@ const UNITS: &[(&str, &str, &str, &str)] = &[
     ("backlash", "gap", "m", "rad"),
     ("saturation", "share", "1", "1"),
     ("saturation", "limit", "N", "N·m"),
+    ("anisotropy", "ratio", "1", "1"),
+    ("anisotropy", "angle", "rad", "rad"),
     ("accelerometer_error", "gain", "1", "1"),
     ("accelerometer_error", "zero", "m/s²", "rad/s²"),
 ];
@@ -218,7 +220,8 @@ fn shapes_are_searched_and_gains_solved() {
             }
             // what is tried over its own range has no unit that a recording could set
             let ranged = parameter.scale == Scale::Range;
-            assert_eq!(ranged, parameter.dimension == Dimension::NUMBER, "{}.{}", effect.id, parameter.name);
+            let bare = [Dimension::NUMBER, Dimension::PHASE].contains(&parameter.dimension);
+            assert_eq!(ranged, bare, "{}.{}", effect.id, parameter.name);
         }
     }
 }

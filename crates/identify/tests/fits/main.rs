@@ -3,6 +3,7 @@
 mod dahl;
 mod karnopp;
 mod model;
+mod planar;
 mod positioner;
 mod preprocess;
 mod table_3_3;

@@ -3,6 +3,7 @@
 //! A reader makes named arrays of a file (`variables`) or series with clocks of their own (`topics`). Their names say what they are
 //! (`naming`, `units`, `columns`), or a map does (`expression`).
 
+mod axis;
 #[cfg(feature = "ros2")]
 mod bag;
 #[cfg(feature = "ros2")]
@@ -29,6 +30,7 @@ mod topics;
 mod units;
 mod variables;
 
+pub(crate) use axis::Axis;
 pub use expression::Map;
 
 use crate::{Error, Recording, files};
@@ -132,6 +134,16 @@ impl Recording {
         with_needed_map(maps, joint, |wanted| in_memory(name, bytes, wanted))
     }
 
+    /// Reads one axis of a recording in the plane.
+    pub(crate) fn read_axis(path: &Path, axis: &Axis) -> Result<Self, Error> {
+        read_any(path, &Wanted { map: &|has| axis.map(has), joint: None })
+    }
+
+    /// As [`Recording::read_axis`], of a file in memory.
+    pub(crate) fn axis_from_bytes(name: &str, bytes: &[u8], axis: &Axis) -> Result<Self, Error> {
+        any_in_memory(name, bytes, &Wanted { map: &|has| axis.map(has), joint: None })
+    }
+
     /// Reads the text of a CSV file; `name` stands for the file in messages.
     ///
     /// # Errors
@@ -139,7 +151,7 @@ impl Recording {
     pub fn from_csv(name: &str, text: &[u8], options: &ReadOptions) -> Result<Self, Error> {
         let map = |_: &dyn Fn(&str) -> bool| options.map.as_ref();
         let wanted = Wanted { map: &map, joint: options.joint.as_deref() };
-        Ok(Self { name: name.into(), ..csv::read(name, text, &wanted)? })
+        on_a_line(name, &wanted, |wanted| Ok(Self { name: name.into(), ..csv::read(name, text, wanted)? }))
     }
 
     /// A recording of columns by name, as from a data frame; `name` stands for them in messages. Without a map, columns of other
@@ -158,7 +170,8 @@ impl Recording {
     /// The column that is missing, given twice, of another length, or not what the map needs.
     pub fn from_columns(name: &str, columns: Vec<(String, Vec<f64>)>, maps: &[Map]) -> Result<Self, Error> {
         let wanted = Wanted { map: &|has| Map::needed(maps, has), joint: None };
-        Ok(Self { name: name.into(), ..variables::of_columns(name, columns, &wanted)? })
+        let read = |wanted: &Wanted| variables::of_columns(name, columns, wanted);
+        Ok(Self { name: name.into(), ..on_a_line(name, &wanted, read)? })
     }
 
     /// Writes a file of the kind that its name says ([`crate::WRITTEN`]), completely or not at all: [`Recording::read`] gives back equal
@@ -250,8 +263,34 @@ pub fn is_bag(path: &Path) -> bool {
     path.join(signatures::BAG_METADATA).is_file()
 }
 
-/// Reads a file of any kind.
+/// Reads a file of any kind as a recording on a line.
 fn read(path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
+    on_a_line(&path.display().to_string(), wanted, |wanted| read_any(path, wanted))
+}
+
+/// Refuses what is a recording in the plane, unless a map or a joint says what is wanted of it.
+fn on_a_line(
+    file: &str,
+    wanted: &Wanted,
+    read: impl FnOnce(&Wanted) -> Result<Recording, Error>,
+) -> Result<Recording, Error> {
+    let planar = Cell::new(false);
+    let map = |has: &dyn Fn(&str) -> bool| {
+        let map = (wanted.map)(has);
+        planar.set(map.is_none() && wanted.joint.is_none() && axis::is_planar(has));
+        map
+    };
+    let recording = read(&Wanted { map: &map, joint: wanted.joint });
+    if planar.get() {
+        let why = "is a recording in the plane, which `identify` and `diagnose` take; accepted here is one on a line, or a map \
+                   of one axis such as time_s=time_s,position_m=position_x_m,force_n=force_x_n";
+        return Err(Error::File { file: file.into(), why: why.into() });
+    }
+    recording
+}
+
+/// Reads a file of any kind.
+fn read_any(path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
     let file = path.display().to_string();
     let fail = |why: String| Error::File { file: file.clone(), why };
     let words = |e: std::io::Error| fail(files::reason(&e));
@@ -275,8 +314,13 @@ fn read(path: &Path, wanted: &Wanted) -> Result<Recording, Error> {
     Ok(recording)
 }
 
-/// Reads a file in memory.
+/// Reads a file in memory as a recording on a line.
 fn in_memory(name: &str, bytes: &[u8], wanted: &Wanted) -> Result<Recording, Error> {
+    on_a_line(name, wanted, |wanted| any_in_memory(name, bytes, wanted))
+}
+
+/// Reads a file in memory.
+fn any_in_memory(name: &str, bytes: &[u8], wanted: &Wanted) -> Result<Recording, Error> {
     let head = &bytes[..bytes.len().min(HEAD)];
     let format = recognised(Path::new(name), head).map_err(|why| Error::File { file: name.into(), why })?;
     Ok(Recording { name: name.into(), ..parsed(format, name, bytes.into(), wanted)? })

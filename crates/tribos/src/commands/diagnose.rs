@@ -4,7 +4,8 @@ use crate::failure::{Failure, Outcome, Result};
 use crate::options::{Recordings, Results};
 use crate::progress::Progress;
 use crate::{files, reading};
-use diagnose::{Diagnosis, FreeFormFinding, Nuisance, Options, Verdict, diagnose};
+use diagnose::{Diagnosis, FreeFormFinding, Nuisance, Options, Verdict, diagnose, diagnose_planar};
+use procedures::planar::{self, Recordings as Recorded};
 use procedures::{diagnosed, recordings};
 use report::Table;
 use report::number::{number, with_std};
@@ -57,7 +58,10 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         diagnosed::check_finding(finding)?;
     }
     let files: Vec<&PathBuf> = args.recordings.files.iter().chain(&args.validate).collect();
-    let mut train = reading::read_all(&files, &args.recordings.mapping)?;
+    let mut train = match reading::read_any(&files, &args.recordings.mapping)? {
+        Recorded::Line(recordings) => recordings,
+        Recorded::Plane(recordings) => return in_the_plane(args, &options, &recordings),
+    };
     let validate = train.split_off(args.recordings.files.len());
     let found = {
         let bar = Progress::new("diagnosing");
@@ -91,6 +95,46 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     })
 }
 
+fn in_the_plane(args: &Args, options: &Options, recordings: &[signals::PlanarRecording]) -> Result<Outcome> {
+    if let Some(path) = args.validate.first() {
+        return Err(Failure::new(format!(
+            "--validate {}: accepted with recordings on a line",
+            path.display()
+        ))
+        .help("in the plane findings are judged on blocks of the recordings that were held out"));
+    }
+    let main = {
+        let bar = Progress::new("diagnosing");
+        diagnose_planar(recordings, options, &|share, what| bar.set(share, what)).map_err(Failure::new)?
+    };
+    let found = &main.found;
+    let name = recordings.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
+    if let Some(path) = &args.results.out {
+        let model = planar::model(&main, recordings).ok_or_else(|| {
+            Failure::new(format!(
+                "--out {}: a model in the plane holds mass, level by direction, viscous friction and offset only",
+                path.display()
+            ))
+            .help(found.summary.clone())
+        })?;
+        files::write(path, model.to_toml().as_bytes())?;
+    }
+    if let Some(path) = &args.results.report {
+        files::write(path, report::diagnosis(found, &name).as_bytes())?;
+    }
+    if let Some(path) = &args.results.json {
+        files::write_json(path, found)?;
+    }
+    if !args.results.json_on_stdout() {
+        print!("{}", describe(&name, found));
+        print!("{}", args.results.written());
+    }
+    Ok(match &args.expect {
+        Some(finding) if !is_there(found, finding) => Outcome::ExpectedFindingAbsent,
+        _ => Outcome::Done,
+    })
+}
+
 fn verdict(found: &Diagnosis) -> &'static str {
     match found.verdict {
         Verdict::Mismatch => "mismatch",
@@ -106,7 +150,9 @@ pub(crate) fn is_there(found: &Diagnosis, finding: &str) -> bool {
 /// Every effect that a diagnosis can name, for the help.
 fn effects_help() -> String {
     let mut out = String::from("Effects:\n");
-    for about in diagnose::effect_ids().into_iter().filter_map(friction::effects::about) {
+    let line = diagnose::effect_ids();
+    let planar = diagnose::planar_effect_ids().into_iter().filter(|id| !line.contains(id));
+    for about in line.iter().copied().chain(planar).filter_map(friction::effects::about) {
         out += &format!("  {:28} {}\n", about.id, about.says);
     }
     out

@@ -4,7 +4,8 @@ use crate::failure::{Failure, Outcome, Result};
 use crate::options::{LawChoice, PreprocessChoice, Recordings, Results};
 use crate::{files, reading};
 use identify::{Estimate, Identification, Model};
-use procedures::identified::{FittedLaw, How, identify};
+use procedures::identified::{How, identify};
+use procedures::planar::{self, Recordings as Recorded};
 use report::Table;
 use report::number::{number, with_std};
 
@@ -45,10 +46,13 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         least_squares: args.least_squares,
     };
     how.check()?;
+    let recordings = match reading::read_any(&args.recordings.files, &args.recordings.mapping)? {
+        Recorded::Line(recordings) => recordings,
+        Recorded::Plane(recordings) => return in_the_plane(args, &how, &recordings),
+    };
     if let Some(name) = &args.expect {
-        check_parameter(how.law, name)?;
+        check_parameter(how.law.parameters(), name)?;
     }
-    let recordings = reading::read_all(&args.recordings.files, &args.recordings.mapping)?;
     let main = identify(&recordings, &how)?;
     if let Some(path) = &args.results.out {
         let text = main.model.to_toml();
@@ -71,6 +75,49 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     })
 }
 
+/// Parameters that an identification in the plane may have.
+const PLANAR: [&str; 13] = [
+    "mass",
+    "mass_x",
+    "mass_y",
+    "level",
+    "level_along",
+    "level_across",
+    "angle",
+    "viscous",
+    "viscous_xx",
+    "viscous_xy",
+    "viscous_yy",
+    "offset_x",
+    "offset_y",
+];
+
+fn in_the_plane(args: &Args, how: &How, recordings: &[signals::PlanarRecording]) -> Result<Outcome> {
+    if let Some(name) = &args.expect {
+        check_parameter(&PLANAR, name)?;
+    }
+    let main = planar::identify(recordings, how)?;
+    let found = &main.planar.found;
+    if let Some(path) = &args.results.out {
+        files::write(path, main.planar.model.to_toml().as_bytes())?;
+    }
+    if let Some(path) = &args.results.report {
+        files::write(path, main.report().as_bytes())?;
+    }
+    if let Some(path) = &args.results.json {
+        let text = found.to_json().map_err(Failure::new)?;
+        files::write(path, format!("{text}\n").as_bytes())?;
+    }
+    if !args.results.json_on_stdout() {
+        print!("{}", describe(&main.name, found, None));
+        print!("{}", args.results.written());
+    }
+    Ok(match &args.expect {
+        Some(name) if !found.parameters.contains_key(name) => Outcome::ExpectedFindingAbsent,
+        _ => Outcome::Done,
+    })
+}
+
 /// Identifies by the defaults: the result as people read it, the report, and the model.
 ///
 /// # Errors
@@ -82,8 +129,7 @@ pub(crate) fn by_defaults(files: &[std::path::PathBuf]) -> Result<(String, Strin
 }
 
 /// A parameter the law has.
-fn check_parameter(law: FittedLaw, name: &str) -> Result<()> {
-    let known = law.parameters();
+fn check_parameter(known: &[&str], name: &str) -> Result<()> {
     if known.contains(&name) {
         return Ok(());
     }
@@ -138,14 +184,21 @@ pub(crate) fn describe(name: &str, found: &Identification, beside: Option<&Ident
 }
 
 /// Parameters in the order of [thesis, table 3-3].
-const ORDER: [&str; 13] = [
+const ORDER: [&str; 20] = [
     "mass",
+    "mass_x",
+    "mass_y",
+    "level",
+    "level_along",
+    "level_across",
+    "angle",
     "coulomb_p",
     "coulomb_n",
     "viscous_p",
     "viscous_n",
     "coulomb",
     "viscous",
+    "viscous_xx",
     friction::parameters::OFFSET.name,
     "static_p",
     "static_n",

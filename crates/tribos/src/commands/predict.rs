@@ -4,7 +4,10 @@ use crate::failure::{Failure, Outcome, Result};
 use crate::options::Mapping;
 use crate::{files, reading};
 use identify::Model;
+use identify::planar::PlanarModel;
+use procedures::planar::{self, Recordings};
 use procedures::predicted::predict;
+use report::number::number;
 use signals::Geometry;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -31,6 +34,9 @@ pub struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
     files::check_writable(&args.out)?;
+    if std::fs::read_to_string(&args.model).is_ok_and(|text| PlanarModel::is_planar(&text)) {
+        return in_the_plane(args);
+    }
     let model = Model::read(&args.model).map_err(|e| Failure::in_file(&args.model, e))?;
     let recording = reading::read(&args.recording, &args.mapping)?;
     let predicted = predict(&model, &recording, args.absolute)?;
@@ -48,6 +54,37 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     files::write(&args.out, text.as_bytes())?;
     if args.out.as_os_str() != "-" {
         print!("{}", predicted.errors.words(&args.out.display().to_string(), unit));
+    }
+    Ok(Outcome::Done)
+}
+
+fn in_the_plane(args: &Args) -> Result<Outcome> {
+    let model = PlanarModel::read(&args.model).map_err(|e| Failure::in_file(&args.model, e))?;
+    let recording = match reading::read_any(&[&args.recording], &args.mapping)? {
+        Recordings::Plane(mut recordings) => recordings.swap_remove(0),
+        Recordings::Line(_) => {
+            let model = args.model.display();
+            let why =
+                format!("{}: is on a line, and {model} is a model in the plane", args.recording.display());
+            return Err(Failure::new(why)
+                .help("accepted is a recording with position_x_m, position_y_m, force_x_n and force_y_n"));
+        }
+    };
+    let predicted = planar::predict(&model, &recording)?;
+    let mut text = format!("# predicted_by: tribos {}\n# model: {}\n", env!("CARGO_PKG_VERSION"), model.name);
+    text += "time_s,force_x_n,force_y_n\n";
+    let [x, y] = &predicted.force;
+    for ((t, x), y) in predicted.time.iter().zip(x).zip(y) {
+        let _ = writeln!(text, "{t},{x},{y}");
+    }
+    files::write(&args.out, text.as_bytes())?;
+    if args.out.as_os_str() != "-" {
+        println!(
+            "{}: error {} N rms where the body slides, {:.2} % of the force",
+            args.out.display(),
+            number(predicted.error, 3),
+            100.0 * predicted.relative
+        );
     }
     Ok(Outcome::Done)
 }
