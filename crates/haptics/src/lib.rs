@@ -13,6 +13,7 @@
 extern crate std;
 
 pub mod bounds;
+pub mod compensation;
 mod config;
 mod control;
 mod device;
@@ -42,6 +43,7 @@ pub mod streaming_identify;
 mod verdict;
 pub mod wave;
 
+pub use compensation::Compensation;
 pub use config::Config;
 pub use control::Control;
 pub use device::{Channel, Device, RATES, Sheet};

@@ -6,6 +6,7 @@ mod parameters;
 mod validate;
 
 pub use effects::{PASSIVITY_CYCLES, effect_cycles};
+pub(crate) use effects::{Slot, slot};
 pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, SetWhy, Value};
 
 use friction::effects::Effect;
@@ -13,6 +14,9 @@ use serde::{Deserialize, Serialize};
 
 /// Largest number of effects of a preset.
 pub const MAX_EFFECTS: usize = 4;
+
+/// Largest number of effects of the device that are fed forward.
+pub const MAX_FED: usize = 2;
 
 /// Friction law of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -1,0 +1,375 @@
+//! Feed-forward of what was found of the device itself: its friction, its damping, and forces of its position (cogging,
+//! ripple, gravity). It belongs to the machine, not to the rendered contact, and is added to the force of that.
+//!
+//! Sliding friction F is fed forward in a direction between −1 and 1:
+//!
+//! ```text
+//! d = clamp(u + (1 − |u|)·p/p_s),   u = clamp(v/v_s)
+//! force = share·F(d)·d + share·b·v + share·Σ effects(x)
+//! ```
+//!
+//! The velocity v says the direction from v_s on; a resting handle follows the push p of the hand on the load cell, behind a
+//! low-pass. Without p a handle breaks away only at the whole friction; by velocity and intended direction together
+//! [bernstein-2005] it does at a tenth of it.
+//!
+//! **Why it has no limit cycle.** The force that d scales never exceeds share·F in its own direction. Held over a period it
+//! gives the handle at most share·F·|Δx| while friction takes at least F·|Δx|: for share < 1 the device stays passive,
+//! whatever noise and delay do to d. A feed-forward above the friction that is there drives a limit cycle
+//! [armstrong-1994]. What remains is sampled: the negative damping share·b and the slope K of effects over the position
+//! need b > share·b + share·K·(T/2 + delay) [colgate-1997].
+
+use crate::number::{self, Text};
+use crate::renderer::Handle;
+use crate::settings::{MAX_FED, SetWhy, Slot, effect_cycles, slot};
+use crate::{Accepted, Config, Device, Reason, Refused, SetError, Value};
+use core::fmt;
+use friction::effects::{Effect, EffectKind, EffectState, Scale};
+use friction::{Dimension, Geometry, Motion, Scalar};
+
+/// Largest share: a friction that is a tenth less than what was found still holds the handle.
+pub const LARGEST_SHARE: f32 = 0.9;
+/// Share unless one is set.
+const SHARE: f32 = 0.9;
+/// Largest friction, N; on the default device, like the speeds: three tenths of its force. More is no friction of a haptic device.
+const FRICTION: f32 = 0.3 * 9.48;
+/// Speed at which the direction is known, m/s: some hundred counts a second of noise are far below it.
+const SPEED: f32 = 2e-3;
+/// Range of the speed, m/s.
+const SPEEDS: (f32, f32) = (1e-4, 0.1);
+/// Push of the hand at rest from which its direction is taken, N: seven deviations of the filtered load cell.
+const PUSH: f32 = 0.1;
+/// Range of the push, N.
+const PUSHES: (f32, f32) = (0.02, 9.48);
+/// Time constant of the low-pass on the push, s.
+const PUSH_S: f32 = 8e-3;
+/// Largest share of a force that an effect may make of it.
+const RIPPLE: f32 = 0.25;
+/// Places at which the slope of an effect is taken.
+const PLACES: u32 = 64;
+/// Cycles that it adds to a control step on the NUCLEO-G474RE at worst without effects, rounded up. `tests/elf/cycles.rs`
+/// measures them.
+pub const COMPENSATION_CYCLES: u32 = 200;
+
+/// What was found of the device, and how much of it is fed forward.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation {
+    /// Share of everything below that is fed forward. 0: off.
+    pub share: f32,
+    /// Sliding friction of the device in positive direction, N.
+    pub friction_p: f32,
+    /// In negative direction, N.
+    pub friction_n: f32,
+    /// Viscous damping of the device, N·s/m.
+    pub damping: f32,
+    /// Speed v_s, m/s.
+    pub speed: f32,
+    /// Push p_s, N.
+    pub push: f32,
+    /// Forces of the position.
+    pub effects: [Option<Effect<f32>>; MAX_FED],
+}
+
+impl Compensation {
+    /// Nothing is known, and nothing fed forward.
+    #[must_use]
+    pub fn off(device: &Device) -> Self {
+        Self { speed: device.speed(SPEED), push: device.force(PUSH), ..Self::NONE }
+    }
+
+    /// The same on the default device.
+    pub(crate) const NONE: Self = Self {
+        share: 0.0,
+        friction_p: 0.0,
+        friction_n: 0.0,
+        damping: 0.0,
+        speed: SPEED,
+        push: PUSH,
+        effects: [None; MAX_FED],
+    };
+
+    /// Its parameters, in the order for users. Effects have theirs as `EFFECT.PARAMETER`.
+    pub const PARAMETERS: &'static [crate::Parameter; 6] = &[
+        crate::Parameter::number("share", Dimension::NUMBER, "share of what was found that is fed forward"),
+        crate::Parameter::number("friction_p", Dimension::FORCE, "sliding friction of the device, positive motion"),
+        crate::Parameter::number("friction_n", Dimension::FORCE, "the same, negative motion"),
+        crate::Parameter::number("damping", Dimension::DAMPING, "viscous damping of the device"),
+        crate::Parameter::number("speed", Dimension::VELOCITY, "speed from which it says the direction"),
+        crate::Parameter::number("push", Dimension::FORCE, "push of the hand on a handle at rest that says it"),
+    ];
+
+    /// Whether anything is fed forward.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        self.share > 0.0
+    }
+
+    fn place(&mut self, name: &str) -> Option<&mut f32> {
+        Some(match name {
+            "share" => &mut self.share,
+            "friction_p" => &mut self.friction_p,
+            "friction_n" => &mut self.friction_n,
+            "damping" => &mut self.damping,
+            "speed" => &mut self.speed,
+            "push" => &mut self.push,
+            _ => return None,
+        })
+    }
+
+    /// Value of a parameter; `None` for an unknown name and for an effect that is not there.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<f32> {
+        if let Some(place) = { *self }.place(name) {
+            return Some(*place);
+        }
+        let (id, parameter) = name.split_once('.')?;
+        let effect = self.effects.iter().flatten().find(|effect| effect.kind.id() == id)?;
+        effect.get(parameter)
+    }
+
+    /// Sets a parameter from text. The first one switches the feed-forward on, with nine tenths of what is told.
+    ///
+    /// # Errors
+    /// [`SetError`]: one line that says what would be accepted. Nothing has changed.
+    pub fn set<'a>(&mut self, name: &'a str, value: &'a str) -> Result<(), SetError<'a>> {
+        let fail = |why| SetError { name, value, why };
+        let mut next = *self;
+        let x = number::parse(value).ok_or(fail(SetWhy::NotANumber));
+        if next.share == 0.0 && name != "share" {
+            next.share = SHARE;
+        }
+        if let Some(place) = next.place(name) {
+            *place = x?;
+        } else {
+            let (id, parameter) = name.split_once('.').ok_or(fail(SetWhy::UnknownOfCompensation))?;
+            let kind = EffectKind::from_id(id).filter(|kind| kind.is_of_position());
+            let kind = kind.ok_or(fail(SetWhy::UnknownOfCompensation))?;
+            let slot = slot(kind, parameter)
+                .ok_or(fail(SetWhy::UnknownOfEffect(kind.id(), kind.gains(), kind.shape())))?;
+            let held = next.effects.iter().position(|place| place.is_some_and(|effect| effect.kind == kind));
+            let at = held.or_else(|| next.effects.iter().position(Option::is_none));
+            let place = at.and_then(|at| next.effects.get_mut(at)).ok_or(fail(SetWhy::FedFull))?;
+            let effect = place.get_or_insert_with(|| Effect::silent(kind));
+            let number = match slot {
+                Slot::Gain(at) => effect.gains.get_mut(at),
+                Slot::Shape(at) => effect.shape.get_mut(at),
+            };
+            if let Some(number) = number {
+                *number = x?;
+            }
+        }
+        *self = next;
+        Ok(())
+    }
+
+    /// Damping of the device that the hand still meets, N·s/m.
+    #[must_use]
+    pub fn left_damping(&self, device: &Device) -> f32 {
+        device.damping - self.share * self.damping
+    }
+
+    /// Damping that is left for the sampling of the effects, and what they need of it, N·s/m: passive while the first is
+    /// the larger one [colgate-1997].
+    #[must_use]
+    pub fn sampled_damping(&self, device: &Device) -> (f32, f32) {
+        let lag = 0.5 * device.period + device.delay;
+        let slope: f32 = self.effects.iter().flatten().map(|effect| steepest(effect, device)).sum();
+        (self.left_damping(device), self.share * slope * lag)
+    }
+
+    /// Cycles of a control step that it takes.
+    #[must_use]
+    pub fn cycles(&self) -> u32 {
+        let effects = self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum::<u32>();
+        if self.is_on() { COMPENSATION_CYCLES + effects } else { 0 }
+    }
+
+    /// Checks every parameter against the device.
+    ///
+    /// # Errors
+    /// [`Refused`]: the first one outside its range, with the number that would be accepted.
+    pub fn validate(&self, device: &Device) -> Result<(), Refused> {
+        let force = |what| Reason::of(Dimension::FORCE, what);
+        let friction = device.force(FRICTION);
+        let ranges = [
+            ("share", self.share, (0.0, LARGEST_SHARE), Reason::plain(
+                "above, a friction a tenth less than what was found makes the handle run by itself: a limit cycle",
+            )),
+            ("friction_p", self.friction_p, (0.0, friction), force("three tenths of the actuator's force")),
+            ("friction_n", self.friction_n, (0.0, friction), force("three tenths of the actuator's force")),
+            ("damping", self.damping, (0.0, device.damping), Reason::of(
+                Dimension::DAMPING,
+                "up to the `damping` of `device`, which the stability bounds are made with",
+            )),
+            ("speed", self.speed, (device.speed(SPEEDS.0), device.speed(SPEEDS.1)), Reason::of(
+                Dimension::VELOCITY,
+                "below, noise says the direction; above, no hand reaches it",
+            )),
+            ("push", self.push, (device.force(PUSHES.0), device.force(PUSHES.1)), force(
+                "below, noise of the load cell says the direction; above, no hand reaches it",
+            )),
+        ];
+        for (parameter, value, (low, high), why) in ranges {
+            if !(value >= low && value <= high) {
+                let accepted = Accepted::Between(number::four_digits(low, true), number::four_digits(high, false));
+                return Err(Refused { effect: None, parameter, value, accepted, why });
+            }
+        }
+        self.effects.iter().flatten().try_for_each(|effect| self.check(effect, device))
+    }
+
+    fn check(&self, effect: &Effect<f32>, device: &Device) -> Result<(), Refused> {
+        let refused = |parameter, value, accepted, why| Refused {
+            effect: Some(effect.kind.id()),
+            parameter,
+            value,
+            accepted,
+            why,
+        };
+        effect.validate().map_err(|invalid| {
+            let range = Accepted::Between(invalid.min as f32, invalid.max as f32);
+            refused(invalid.parameter, invalid.value as f32, range, Reason::plain("outside its range"))
+        })?;
+        for (gain, parameter) in effect.gains.iter().zip(effect.kind.gains()) {
+            let most = match parameter.dimension {
+                Dimension::FORCE => device.force(FRICTION),
+                Dimension::NUMBER => RIPPLE,
+                _ => continue,
+            };
+            if !(gain.abs() <= most) {
+                let why = Reason::of(parameter.dimension, "above, it is more than an error of a device");
+                return Err(refused(parameter.name, *gain, Accepted::Between(-most, most), why));
+            }
+        }
+        let (left, needed) = self.sampled_damping(device);
+        if needed <= left {
+            return Ok(());
+        }
+        let why = "above, the sampled slope of the effects takes more damping than the device has left";
+        let most = number::four_digits(self.share * left / needed, false);
+        Err(Refused { effect: None, parameter: "share", value: self.share, accepted: Accepted::AtMost(most), why: Reason::plain(why) })
+    }
+}
+
+/// Steepest slope of an effect over the position, N/m, with a force that it changes at its largest.
+fn steepest(effect: &Effect<f32>, device: &Device) -> f32 {
+    let wave = effect.kind.shape().iter().zip(effect.shape).find(|(p, _)| p.scale == Scale::Wavelength);
+    let length = wave.map_or(device.stroke, |(_, length)| length);
+    let step = length / PLACES as f32;
+    let force = |place: u32| {
+        let position = place as f32 * step - 0.5 * length;
+        effect.step(&mut EffectState::default(), &Motion { position, applied: device.force_max, ..Motion::default() })
+    };
+    (0..PLACES).fold(0.0_f32, |most, place| most.max((force(place + 1) - force(place)).abs())) / step
+}
+
+impl fmt::Display for On<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(compensation, geometry) = *self;
+        if !compensation.is_on() {
+            return f.write_str("off");
+        }
+        for p in Compensation::PARAMETERS {
+            let value = Value::Number(compensation.get(p.name).unwrap_or(0.0));
+            let comma = if p.name == "share" { "" } else { ", " };
+            write!(f, "{comma}{} {value}", p.name)?;
+            match p.dimension {
+                Some(Dimension::NUMBER) | None => {}
+                Some(dimension) => write!(f, " {}", dimension.unit(geometry))?,
+            }
+        }
+        for effect in compensation.effects.iter().flatten() {
+            let gains = effect.kind.gains().iter().zip(effect.gains);
+            for (p, x) in gains.chain(effect.kind.shape().iter().zip(effect.shape)) {
+                write!(f, ", {}.{} {} {}", effect.kind.id(), p.name, Text(x), p.unit(geometry))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A compensation in the units of a device. Prints one line.
+#[derive(Debug, Clone, Copy)]
+pub struct On<'a>(&'a Compensation, Geometry);
+
+impl Compensation {
+    /// The same in the units of this geometry.
+    #[must_use]
+    pub fn on(&self, geometry: Geometry) -> On<'_> {
+        On(self, geometry)
+    }
+}
+
+/// What the loop runs: shares multiplied out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Fed {
+    pub(crate) is_on: bool,
+    level_p: f32,
+    level_n: f32,
+    damping: f32,
+    per_speed: f32,
+    per_push: f32,
+    /// Share of a new reading in the filtered push.
+    learn: f32,
+    has_effects: bool,
+}
+
+impl Fed {
+    pub(crate) fn new(device: &Device) -> Self {
+        let c = &device.compensation;
+        Self {
+            is_on: c.is_on(),
+            level_p: c.share * c.friction_p,
+            level_n: c.share * c.friction_n,
+            damping: c.share * c.damping,
+            per_speed: 1.0 / c.speed,
+            per_push: 1.0 / c.push,
+            learn: 1.0 - Scalar::exp(device.period * (-1.0 / PUSH_S)),
+            has_effects: c.effects.iter().any(Option::is_some),
+        }
+    }
+}
+
+/// State of the feed-forward.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct FeedForward {
+    /// Push of the hand behind the low-pass, N.
+    push: f32,
+    /// Force of the last step, N.
+    pub(crate) force: f32,
+}
+
+/// `x` within −1 and 1. NaN stays.
+fn one(x: f32) -> f32 {
+    if x > 1.0 {
+        1.0
+    } else if x < -1.0 {
+        -1.0
+    } else {
+        x
+    }
+}
+
+impl FeedForward {
+    /// The force to add to `force`, N. `load_code` is the reading of the load cell.
+    // a function of its own: without it the step has the cycles it had before
+    #[inline(never)]
+    pub(crate) fn step(&mut self, config: &Config, handle: &Handle, load_code: u16, force: f32) -> f32 {
+        let fed = &config.fed;
+        // the cell shows the reaction
+        self.push += fed.learn * (-config.device.load.to_si(load_code) - self.push);
+        let v = handle.velocity;
+        let by_speed = one(v * fed.per_speed);
+        let direction = one(by_speed + (1.0 - by_speed.abs()) * (self.push * fed.per_push));
+        let level = if direction > 0.0 { fed.level_p } else { fed.level_n };
+        let mut sum = level * direction + fed.damping * v;
+        if fed.has_effects {
+            let compensation = &config.device.compensation;
+            let motion = Motion { position: handle.position, applied: force, ..Motion::default() };
+            for effect in compensation.effects.iter().flatten() {
+                sum += compensation.share * effect.step(&mut EffectState::default(), &motion);
+            }
+        }
+        self.force = sum;
+        sum
+    }
+}
