@@ -56,12 +56,58 @@ fn felt(bench: &mut Bench) -> [f64; 2] {
     sums.map(|(sum, n)| sum / n)
 }
 
+
+/// Push at which the handle breaks away, N, in both directions: slow ramps from rest, 0.5 N/s.
+fn break_away(bench: &mut Bench) -> [f64; 2] {
+    [1.0, -1.0].map(|sign| {
+        bench.device.hold(Holder::Hand(HandImpedance { stiffness: 1_500.0, damping: 60.0, ..HandImpedance::relaxed(Target::Hold { position: 0.0 }) }));
+        bench.run(1_500);
+        bench.device.hold(Holder::Nobody);
+        bench.run(500);
+        let begin = bench.device.truth();
+        bench.device.hold(Holder::Force(plant::HandForce::Ramp { rate: sign * 0.5, from: begin.time, limit: 3.0 }));
+        for _ in 0..6_000 {
+            bench.run(1);
+            let t = bench.device.truth();
+            if (t.position - begin.position).abs() > 20.0 * COUNT {
+                return t.hand_force * sign;
+            }
+        }
+        f64::NAN
+    })
+}
+
+/// Peak to peak of the true position over two seconds, counts: released, held, held off the middle.
+fn rests(bench: &mut Bench) -> [f64; 3] {
+    let hand = |k: f64, b: f64, position: f64| Holder::Hand(HandImpedance { stiffness: k, damping: b, ..HandImpedance::relaxed(Target::Hold { position }) });
+    [Holder::Nobody, hand(400.0, 6.0, 0.002), hand(1_500.0, 15.0, 0.003)].map(|hand| {
+        bench.device.hold(hand);
+        bench.run(1_500);
+        let (mut low, mut high) = (f64::MAX, f64::MIN);
+        for _ in 0..2_000 {
+            bench.run(1);
+            let x = bench.device.truth().position;
+            (low, high) = (low.min(x), high.max(x));
+        }
+        (high - low) / COUNT
+    })
+}
+
 #[test]
 fn try_it() {
-    let mut b = bench(RigConfig::free_handle(), 1);
-    println!("{}", b.say("render on"));
-    println!("before {:?}", felt(&mut b));
-    println!("{}", b.say(COMPENSATE));
-    println!("{}", b.say("status"));
-    println!("after {:?} {:?}", felt(&mut b), b.device.outputs());
+    for offset in [0.0, 0.5] {
+    for (share, speed, push) in [(0.9, 0.002, 9.48), (0.9, 0.002, 0.1), (0.9, 0.002, 0.05), (0.9, 0.002, 0.2), (0.9, 0.0005, 0.1), (0.9, 0.005, 0.1), (0.9, 0.02, 9.48), (0.9, 0.02, 0.1)] {
+        for truth in [1.0, 0.95, 0.85] {
+            let mut rig = RigConfig::free_handle();
+            rig.load.offset = offset;
+            let mut b = bench(rig, 1);
+            b.say("render on");
+            let (p, n) = (1.04 / truth, 0.69 / truth);
+            let a = b.say(&format!("compensate share {share} friction_p {p} friction_n {n} damping 6.9 speed {speed} push {push}"));
+            assert!(a.starts_with("ok"), "{a}");
+            let (f, a, r) = (felt(&mut b), break_away(&mut b), rests(&mut b));
+            println!("offset {offset} share {share} speed {speed} push {push}, true/found {truth}: felt {:.3} {:.3} N, breaks away {:.3} {:.3} N, rests {:.1} {:.1} {:.1} counts", f[0], f[1], a[0], a[1], r[0], r[1], r[2]);
+        }
+    }
+    }
 }
