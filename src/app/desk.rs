@@ -16,8 +16,8 @@ use core::fmt::Write;
 use friction::Geometry;
 use haptics::number::Text;
 use haptics::{
-    Compensation, Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused, Request,
-    Settings, Solver,
+    Compensation, Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused,
+    Request, Settings, Solver,
 };
 use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, DeviceCommand, IDENTIFIED, LineEditor, MAX_LINE, Name,

@@ -234,8 +234,14 @@ const HELP: &[HelpLine] = &[
         usage: "sim device NAME VALUE [NAME VALUE …]",
         what: "the device that is there, in the names of `device`",
     },
-    HelpLine { usage: "sim friction NEWTON [NEWTON]", what: "friction of the device itself: both directions, or + and -" },
-    HelpLine { usage: "sim cogging NEWTON METRE", what: "its motor prefers positions: amplitude and wavelength" },
+    HelpLine {
+        usage: "sim friction NEWTON [NEWTON]",
+        what: "friction of the device itself: both directions, or + and -",
+    },
+    HelpLine {
+        usage: "sim cogging NEWTON METRE",
+        what: "its motor prefers positions: amplitude and wavelength",
+    },
     HelpLine { usage: "sim hang NEWTON", what: "a weight on the load cell, for `calibrate`" },
     HelpLine { usage: "sim tilt up|down|level", what: "gravity on the accelerometer, for `calibrate`" },
     HelpLine { usage: "sim truth", what: "the true state of the rig" },

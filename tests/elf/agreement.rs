@@ -120,7 +120,9 @@ pub fn target_and_host_compensate_bit_for_bit() {
     let settings = Settings::preset("rubber").expect("built in");
     let control = Control::referenced(settings.build(&device).expect("fits the rig"));
     let (compared, sliding, largest) = replay(&board, control, &Request::Render(true));
-    println!("compensation under rubber: {compared} forces identical, {sliding} of them sliding, up to {largest:.2} N");
+    println!(
+        "compensation under rubber: {compared} forces identical, {sliding} of them sliding, up to {largest:.2} N"
+    );
     assert!(compared > 1_900 && sliding > 100);
 }
 

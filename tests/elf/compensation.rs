@@ -36,7 +36,11 @@ fn hand(stiffness: f64, damping: f64, target: Target) -> HandImpedance {
 
 /// Friction that the hand carries while the handle slides, N, forward and back: its force without that for mass and damping.
 fn slides(board: &mut Board, damping: f64) -> [f64; 2] {
-    board.machine.set_hand(hand(1_500.0, 15.0, Target::Sine { centre: 0.0, amplitude: 0.008, frequency: 0.5 }));
+    board.machine.set_hand(hand(
+        1_500.0,
+        15.0,
+        Target::Sine { centre: 0.0, amplitude: 0.008, frequency: 0.5 },
+    ));
     board.run(1_000.0);
     let mut sums = [(0.0, 0.0); 2];
     for _ in 0..4_000 {
@@ -93,7 +97,9 @@ fn rests(board: &mut Board) -> [f64; 3] {
 pub fn the_friction_of_the_device_is_felt_down_to_a_tenth() {
     let mut board = board();
     let told = |what: &str, [p, n]: [f64; 2], [bp, bn]: [f64; 2], rests: [f64; 3]| {
-        println!("{what}: slides at {p:.3} and {n:.3} N, breaks away at {bp:.3} and {bn:.3} N; at rest released, relaxed, firm: {rests:.2?} counts");
+        println!(
+            "{what}: slides at {p:.3} and {n:.3} N, breaks away at {bp:.3} and {bn:.3} N; at rest released, relaxed, firm: {rests:.2?} counts"
+        );
     };
     let before = slides(&mut board, 6.92);
     told("before", before, breaks_away(&mut board), rests(&mut board));

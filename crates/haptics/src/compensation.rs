@@ -4,7 +4,7 @@
 //! Sliding friction F is fed forward in a direction between −1 and 1:
 //!
 //! ```text
-//! d = clamp(u + (1 − |u|)·p/p_s),   u = clamp(v/v_s)
+//! d = u + (1 − |u|)·clamp(p/p_s),   u = clamp(v/v_s)
 //! force = share·F(d)·d + share·b·v + share·Σ effects(x)
 //! ```
 //!
@@ -32,8 +32,9 @@ pub const LARGEST_SHARE: f32 = 0.9;
 const SHARE: f32 = 0.9;
 /// Largest friction, N; on the default device, like the speeds: three tenths of its force. More is no friction of a haptic device.
 const FRICTION: f32 = 0.3 * 9.48;
-/// Speed at which the direction is known, m/s: some hundred counts a second of noise are far below it.
-const SPEED: f32 = 2e-3;
+/// Speed from which it says the direction, m/s: at a tenth of it less is left of the friction, but a handle that friction stops
+/// passes it within two periods, which is a click.
+const SPEED: f32 = 5e-3;
 /// Range of the speed, m/s.
 const SPEEDS: (f32, f32) = (1e-4, 0.1);
 /// Push of the hand at rest from which its direction is taken, N: seven deviations of the filtered load cell.
@@ -44,6 +45,8 @@ const PUSHES: (f32, f32) = (0.02, 9.48);
 const PUSH_S: f32 = 8e-3;
 /// Largest share of a force that an effect may make of it.
 const RIPPLE: f32 = 0.25;
+/// Tolerance that keeps a bound at a round number.
+const ROUNDING: f32 = 1e-6;
 /// Places at which the slope of an effect is taken.
 const PLACES: u32 = 64;
 /// Cycles that it adds to a control step on the NUCLEO-G474RE at worst without effects, rounded up. `tests/elf/cycles.rs`
@@ -92,11 +95,19 @@ impl Compensation {
     /// Its parameters, in the order for users. Effects have theirs as `EFFECT.PARAMETER`.
     pub const PARAMETERS: &'static [crate::Parameter; 6] = &[
         crate::Parameter::number("share", Dimension::NUMBER, "share of what was found that is fed forward"),
-        crate::Parameter::number("friction_p", Dimension::FORCE, "sliding friction of the device, positive motion"),
+        crate::Parameter::number(
+            "friction_p",
+            Dimension::FORCE,
+            "sliding friction of the device, positive motion",
+        ),
         crate::Parameter::number("friction_n", Dimension::FORCE, "the same, negative motion"),
         crate::Parameter::number("damping", Dimension::DAMPING, "viscous damping of the device"),
         crate::Parameter::number("speed", Dimension::VELOCITY, "speed from which it says the direction"),
-        crate::Parameter::number("push", Dimension::FORCE, "push of the hand on a handle at rest that says it"),
+        crate::Parameter::number(
+            "push",
+            Dimension::FORCE,
+            "push of the hand on a handle at rest that says it",
+        ),
     ];
 
     /// Whether anything is fed forward.
@@ -145,8 +156,11 @@ impl Compensation {
             let (id, parameter) = name.split_once('.').ok_or(fail(SetWhy::UnknownOfCompensation))?;
             let kind = EffectKind::from_id(id).filter(|kind| kind.is_of_position());
             let kind = kind.ok_or(fail(SetWhy::UnknownOfCompensation))?;
-            let slot = slot(kind, parameter)
-                .ok_or(fail(SetWhy::UnknownOfEffect(kind.id(), kind.gains(), kind.shape())))?;
+            let slot = slot(kind, parameter).ok_or(fail(SetWhy::UnknownOfEffect(
+                kind.id(),
+                kind.gains(),
+                kind.shape(),
+            )))?;
             let held = next.effects.iter().position(|place| place.is_some_and(|effect| effect.kind == kind));
             let at = held.or_else(|| next.effects.iter().position(Option::is_none));
             let place = at.and_then(|at| next.effects.get_mut(at)).ok_or(fail(SetWhy::FedFull))?;
@@ -194,26 +208,44 @@ impl Compensation {
         let force = |what| Reason::of(Dimension::FORCE, what);
         let friction = device.force(FRICTION);
         let ranges = [
-            ("share", self.share, (0.0, LARGEST_SHARE), Reason::plain(
-                "above, a friction a tenth less than what was found makes the handle run by itself: a limit cycle",
-            )),
+            (
+                "share",
+                self.share,
+                (0.0, LARGEST_SHARE),
+                Reason::plain(
+                    "above, a friction a tenth less than what was found makes the handle run by itself: a limit cycle",
+                ),
+            ),
             ("friction_p", self.friction_p, (0.0, friction), force("three tenths of the actuator's force")),
             ("friction_n", self.friction_n, (0.0, friction), force("three tenths of the actuator's force")),
-            ("damping", self.damping, (0.0, device.damping), Reason::of(
-                Dimension::DAMPING,
-                "up to the `damping` of `device`, which the stability bounds are made with",
-            )),
-            ("speed", self.speed, (device.speed(SPEEDS.0), device.speed(SPEEDS.1)), Reason::of(
-                Dimension::VELOCITY,
-                "below, noise says the direction; above, no hand reaches it",
-            )),
-            ("push", self.push, (device.force(PUSHES.0), device.force(PUSHES.1)), force(
-                "below, noise of the load cell says the direction; above, no hand reaches it",
-            )),
+            (
+                "damping",
+                self.damping,
+                (0.0, device.damping),
+                Reason::of(
+                    Dimension::DAMPING,
+                    "up to the `damping` of `device`, which the stability bounds are made with",
+                ),
+            ),
+            (
+                "speed",
+                self.speed,
+                (device.speed(SPEEDS.0), device.speed(SPEEDS.1)),
+                Reason::of(Dimension::VELOCITY, "below, noise says the direction; above, no hand reaches it"),
+            ),
+            (
+                "push",
+                self.push,
+                (device.force(PUSHES.0), device.force(PUSHES.1)),
+                force("below, noise of the load cell says the direction; above, no hand reaches it"),
+            ),
         ];
         for (parameter, value, (low, high), why) in ranges {
             if !(value >= low && value <= high) {
-                let accepted = Accepted::Between(number::four_digits(low, true), number::four_digits(high, false));
+                // against the rounding of round numbers
+                let (low, high) = (low * (1.0 - ROUNDING), high * (1.0 + ROUNDING));
+                let accepted =
+                    Accepted::Between(number::four_digits(low, true), number::four_digits(high, false));
                 return Err(Refused { effect: None, parameter, value, accepted, why });
             }
         }
@@ -234,7 +266,7 @@ impl Compensation {
         })?;
         for (gain, parameter) in effect.gains.iter().zip(effect.kind.gains()) {
             let most = match parameter.dimension {
-                Dimension::FORCE => device.force(FRICTION),
+                Dimension::FORCE => number::four_digits(device.force(FRICTION) * (1.0 + ROUNDING), false),
                 Dimension::NUMBER => RIPPLE,
                 _ => continue,
             };
@@ -249,7 +281,13 @@ impl Compensation {
         }
         let why = "above, the sampled slope of the effects takes more damping than the device has left";
         let most = number::four_digits(self.share * left / needed, false);
-        Err(Refused { effect: None, parameter: "share", value: self.share, accepted: Accepted::AtMost(most), why: Reason::plain(why) })
+        Err(Refused {
+            effect: None,
+            parameter: "share",
+            value: self.share,
+            accepted: Accepted::AtMost(most),
+            why: Reason::plain(why),
+        })
     }
 }
 
@@ -260,7 +298,10 @@ fn steepest(effect: &Effect<f32>, device: &Device) -> f32 {
     let step = length / PLACES as f32;
     let force = |place: u32| {
         let position = place as f32 * step - 0.5 * length;
-        effect.step(&mut EffectState::default(), &Motion { position, applied: device.force_max, ..Motion::default() })
+        effect.step(
+            &mut EffectState::default(),
+            &Motion { position, applied: device.force_max, ..Motion::default() },
+        )
     };
     (0..PLACES).fold(0.0_f32, |most, place| most.max((force(place + 1) - force(place)).abs())) / step
 }
@@ -362,7 +403,7 @@ impl FeedForward {
         self.push += fed.learn * (-config.device.load.to_si(load_code) - self.push);
         let v = handle.velocity;
         let by_speed = one(v * fed.per_speed);
-        let direction = one(by_speed + (1.0 - by_speed.abs()) * (self.push * fed.per_push));
+        let direction = by_speed + (1.0 - by_speed.abs()) * one(self.push * fed.per_push);
         let level = if direction > 0.0 { fed.level_p } else { fed.level_n };
         let mut sum = level * direction + fed.damping * v;
         if fed.has_effects {

@@ -287,8 +287,7 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         if self.config.cogging == 0.0 {
             return 0.0;
         }
-        -self.config.cogging
-            * libm::sin(core::f64::consts::TAU * (position / self.config.cogging_wavelength))
+        -self.config.cogging * libm::sin(core::f64::consts::TAU * (position / self.config.cogging_wavelength))
     }
 
     /// Force of the handle on the block through a compliant coupling, N.

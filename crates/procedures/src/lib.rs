@@ -30,6 +30,8 @@ pub mod identified;
 pub mod investigate;
 pub mod library;
 pub mod numbers;
+#[cfg(feature = "device")]
+mod own_friction;
 pub mod predicted;
 mod prediction_errors;
 pub mod recordings;
