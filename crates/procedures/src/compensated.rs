@@ -529,17 +529,17 @@ mod tests {
         }
     }
 
-    /// A model that tells a fifth too much friction.
+    /// A model that tells half too much friction.
     #[test]
     fn a_handle_that_runs_by_itself_is_switched_off() {
         let dir = tempfile::tempdir().expect("a folder");
         let mut session = session(1);
         let device = device_of(&mut session).expect("a header");
         let law = friction::Coulomb {
-            level_p: 1.25,
-            level_n: 0.83,
-            static_p: 1.25,
-            static_n: 0.83,
+            level_p: 1.56,
+            level_n: 1.04,
+            static_p: 1.56,
+            static_n: 1.04,
             viscous_p: 6.9,
             viscous_n: 6.9,
         };

@@ -32,6 +32,8 @@ const BLOCKS: usize = 16;
 const WAVES: (f64, f64) = (1.5, 60.0);
 /// Steps of the search in a wave more along the travel.
 const STEPS: f64 = 6.0;
+/// Ratio of two mean square errors that are the same.
+const SAME: f64 = 1.05;
 /// Share of the error that a cogging must leave at most, and its standard errors at least, to be named. Of a few hundred
 /// wavelengths the best one reaches that by chance once in 10⁴.
 const LEAVES: f64 = 0.95;
@@ -291,6 +293,10 @@ fn search(rows: &[Row]) -> Option<f64> {
         let tried = [best - step, best, best + step].map(|f| (f, error(f)));
         best = tried.iter().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
         step *= 0.5;
+    }
+    // twice the wavelength explains the same with its second harmonic
+    while 2.0 * best * travel <= WAVES.1 && error(2.0 * best) <= SAME * error(best) {
+        best *= 2.0;
     }
     Some(1.0 / best)
 }
