@@ -1,7 +1,7 @@
 //! Configuration of the loop: validated settings and device, with precomputed quotients.
 
-use crate::compensation::Fed;
 use crate::excitation::Timing;
+use crate::fed::Fed;
 use crate::settings::MAX_EFFECTS;
 use crate::{Biquad, Device, RendererKind, Settings};
 use crate::{homing, silence};

@@ -14,6 +14,7 @@ extern crate std;
 
 pub mod bounds;
 pub mod compensation;
+mod compensation_settings;
 mod config;
 mod control;
 mod device;
@@ -22,6 +23,8 @@ pub mod drive;
 pub mod estimator;
 pub mod excitation;
 mod fault;
+mod fed;
+mod feed_forward;
 mod filter;
 pub mod generator;
 mod homing;

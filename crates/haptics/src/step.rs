@@ -3,9 +3,9 @@
 //! Order: measure, handle the request, run the mode, check, clamp. A check judges the force of its own step, so a rejected
 //! force never leaves it.
 
-use crate::compensation::FeedForward;
 use crate::drive::Drive;
 use crate::estimator::Estimator;
+use crate::feed_forward::FeedForward;
 use crate::homing::{Homed, Homing, Progress};
 use crate::machine::{Fault, Mode, Request};
 use crate::passivity::Passivity;

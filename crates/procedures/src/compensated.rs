@@ -14,7 +14,7 @@ use crate::{library, recordings::model_name};
 use client::{Event, Move, Plan, Session};
 use friction::effects::{EffectState, Scale};
 use friction::{Dimension, Law, Motion};
-use haptics::{Compensation, Device, Wave, settings::MAX_FED};
+use haptics::{Compensation, Device, Wave, compensation::MAX_FED};
 use identify::{Model, Preprocess, prepare};
 use serde::Serialize;
 use signals::{Geometry, ReadOptions, Recording};

@@ -15,9 +15,6 @@ use serde::{Deserialize, Serialize};
 /// Largest number of effects of a preset.
 pub const MAX_EFFECTS: usize = 4;
 
-/// Largest number of effects of the device that are fed forward.
-pub const MAX_FED: usize = 2;
-
 /// Friction law of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum LawKind {

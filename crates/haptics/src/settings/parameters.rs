@@ -106,7 +106,11 @@ impl fmt::Display for SetError<'_> {
                 of_position.into_iter().try_for_each(|kind| write!(f, " {}", kind.id()))
             }
             SetWhy::FedFull => {
-                write!(f, "{name}: at most {} effects; `compensate off` begins again", super::MAX_FED)
+                write!(
+                    f,
+                    "{name}: at most {} effects; `compensate off` begins again",
+                    crate::compensation::MAX_FED
+                )
             }
             SetWhy::EffectsFull => {
                 write!(f, "{name}: at most {} effects; `set EFFECT off` frees a place", super::MAX_EFFECTS)
