@@ -18,6 +18,8 @@ pub(super) enum Pending {
     Settings { settings: Settings, name: Named, warning: Option<Warning> },
     /// Settings of the device, what changed, and the parameters that replace a contact which it cannot render.
     Device { device: Device, what: String<200>, scaled: Option<Settings> },
+    /// What the device feeds forward.
+    Compensation(Device),
     /// A calibration: the device with its channels, and their description.
     Calibrated(Device, Fits),
     /// The push of the self-test, which has no answer of its own.
@@ -74,6 +76,9 @@ impl Pending {
                     Some(_) => out.write_str("; the preset does not fit it: brass at its scale"),
                     None => Ok(()),
                 }
+            }
+            Self::Compensation(device) => {
+                write!(out, "ok compensate {}", device.compensation.on(device.geometry))
             }
             Self::Calibrated(device, fits) => {
                 out.write_str("calibrate")?;

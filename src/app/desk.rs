@@ -16,8 +16,8 @@ use core::fmt::Write;
 use friction::Geometry;
 use haptics::number::Text;
 use haptics::{
-    Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused, Request,
-    Settings, Solver,
+    Compensation, Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused,
+    Request, Settings, Solver,
 };
 use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, DeviceCommand, IDENTIFIED, LineEditor, MAX_LINE, Name,
@@ -331,7 +331,7 @@ impl Desk {
                         self.preset = name;
                     }
                 }
-                Pending::Rate(device) => self.device = device,
+                Pending::Rate(device) | Pending::Compensation(device) => self.device = device,
                 Pending::Device { device, scaled, .. } => {
                     if let Some(settings) = scaled {
                         (self.settings, self.changed) = (settings, true);
@@ -623,6 +623,7 @@ impl Desk {
                 let _ = what.push_str(" reset");
                 self.change_device(device, what, now, ends);
             }
+            Command::Compensate(command) => self.compensate(&command, now, ends),
             Command::Watch(watch) => self.watch(watch, ends),
             Command::Limit(None) => self.tell_limits(),
             Command::Limit(Some((name, value))) => self.limit(name, value),
@@ -779,6 +780,30 @@ impl Desk {
         }
     }
 
+    /// Feed-forward of the device, checked together and with the contact.
+    #[inline(never)]
+    fn compensate(&mut self, command: &DeviceCommand<'_>, now: u32, ends: &mut DeskEnds<'_>) {
+        let mut device = self.device;
+        match command {
+            DeviceCommand::Show => {
+                return self.ok(format_args!("compensate {}", device.compensation.on(device.geometry)));
+            }
+            DeviceCommand::Reset => device.compensation = Compensation::off(&device),
+            DeviceCommand::Set(pairs) => {
+                for (name, value) in pairs.iter().flatten() {
+                    if let Err(wrong) = device.compensation.set(name, value) {
+                        let known = device.compensation.get(name).is_some();
+                        return self.err(if known { "VALUE" } else { "UNKNOWN_PARAMETER" }, wrong);
+                    }
+                }
+            }
+        }
+        match self.settings.build(&device) {
+            Ok(config) => self.reconfigure(config, Pending::Compensation(device), now, ends),
+            Err(refused) => self.refused(&refused, device.geometry),
+        }
+    }
+
     /// Settings of the device, checked together.
     #[inline(never)]
     fn set_device(&mut self, pairs: &[Option<(&str, &str)>], now: u32, ends: &mut DeskEnds<'_>) {
@@ -793,6 +818,8 @@ impl Desk {
         {
             return self.refused(&refused, device.geometry);
         }
+        // another device: what was found of this one does not hold
+        device.compensation = Compensation::off(&device);
         let mut what = heapless::String::new();
         for (name, _) in pairs.iter().flatten() {
             // a long list is truncated
@@ -867,6 +894,10 @@ impl Desk {
         let _ = answer::handle(&t, &self.device, &mut line);
         let (step, late, unseen) = (t.step, board.late_steps(), self.unseen);
         let _ = write!(line, ", step {step}, {late} late, {unseen} missed by the console");
+        if self.device.compensation.is_on() {
+            let share = Text(100.0 * self.device.compensation.share);
+            let _ = write!(line, ", compensates {share:.0} % of its friction");
+        }
         if board.clock_is_off() {
             let _ = line.write_str(", internal clock (1 %)");
         }

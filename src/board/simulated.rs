@@ -234,6 +234,14 @@ const HELP: &[HelpLine] = &[
         usage: "sim device NAME VALUE [NAME VALUE …]",
         what: "the device that is there, in the names of `device`",
     },
+    HelpLine {
+        usage: "sim friction NEWTON [NEWTON]",
+        what: "friction of the device itself: both directions, or + and -",
+    },
+    HelpLine {
+        usage: "sim cogging NEWTON METRE",
+        what: "its motor prefers positions: amplitude and wavelength",
+    },
     HelpLine { usage: "sim hang NEWTON", what: "a weight on the load cell, for `calibrate`" },
     HelpLine { usage: "sim tilt up|down|level", what: "gravity on the accelerometer, for `calibrate`" },
     HelpLine { usage: "sim truth", what: "the true state of the rig" },
@@ -414,6 +422,25 @@ impl SimulatedBoard {
                 let _ = write!(out, "wire of {signal} {how}");
             }
             ["wire", word, ..] => return Err(wrong(out, word, "encoder, load, accel, amplifier, command")),
+            ["friction", p, rest @ ..] if rest.len() < 2 => {
+                let most = 0.3 * f64::from(plant.force_max);
+                let p = number(out, "NEWTON", p, most)?.abs();
+                let n = rest.first().map_or(Ok(p), |n| number(out, "NEWTON", n, most))?.abs();
+                let friction = RigConfig { device_friction_p: p, device_friction_n: n, ..*self.rig.config() };
+                let _ = self.rig.reconfigure(friction);
+                let _ = write!(out, "device friction {p} {n} {}", unit(Dimension::FORCE));
+            }
+            ["cogging", amplitude, wavelength] => {
+                let amplitude = number(out, "NEWTON", amplitude, 0.3 * f64::from(plant.force_max))?.abs();
+                let cogging_wavelength = number(out, "METRE", wavelength, length(0.032))?;
+                let cogging = RigConfig { cogging: amplitude, cogging_wavelength, ..*self.rig.config() };
+                if let Err(invalid) = self.rig.reconfigure(cogging) {
+                    let _ = write!(out, "{invalid}");
+                    return Err("REFUSED");
+                }
+                let (n, m) = (unit(Dimension::FORCE), unit(Dimension::LENGTH));
+                let _ = write!(out, "cogging {amplitude} {n} every {cogging_wavelength} {m}");
+            }
             ["hang", text] => {
                 let weight = number(out, "NEWTON", text, 44.0 * f64::from(plant.force(1.0)))?;
                 let bench = Bench { weight, ..self.rig.config().bench };
@@ -439,7 +466,7 @@ impl SimulatedBoard {
                 return Err(wrong(
                     out,
                     &words.join(" "),
-                    "device …, hand …, block …, wire …, hang …, tilt …, truth",
+                    "device …, hand …, block …, wire …, friction …, cogging …, hang …, tilt …, truth",
                 ));
             }
         }

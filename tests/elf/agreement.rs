@@ -96,6 +96,36 @@ pub fn target_and_host_control_passivity_bit_for_bit() {
     }
 }
 
+pub fn target_and_host_compensate_bit_for_bit() {
+    let mut board = Board::ready();
+    let mut device = Device::default();
+    let line = [
+        ("friction_p", "1.04"),
+        ("friction_n", "0.69"),
+        ("damping", "6.9"),
+        ("cogging.cosine_1", "0.1"),
+        ("cogging.sine_2", "0.05"),
+        ("cogging.wavelength", "0.004"),
+    ];
+    for (name, value) in line {
+        board.ok(&format!("compensate {name} {value}"));
+        device.compensation.set(name, value).expect("a parameter");
+    }
+    board.ok("preset use rubber");
+    board.ok("stream on");
+    board.run(20.0);
+    board.ok("render on");
+    board.machine.set_hand(|t: f64, x: f64, v: f64| 900.0 * (0.006 * (9.0 * t).sin() - x) - 8.0 * v);
+    board.run(2_000.0);
+    let settings = Settings::preset("rubber").expect("built in");
+    let control = Control::referenced(settings.build(&device).expect("fits the rig"));
+    let (compared, sliding, largest) = replay(&board, control, &Request::Render(true));
+    println!(
+        "compensation under rubber: {compared} forces identical, {sliding} of them sliding, up to {largest:.2} N"
+    );
+    assert!(compared > 1_900 && sliding > 100);
+}
+
 pub fn target_and_host_drive_the_handle_bit_for_bit() {
     for wave in ["sine", "multisine", "chirp", "triangle", "dwell"] {
         let mut board = Board::ready();

@@ -4,6 +4,7 @@ use crate::board::{Board, built};
 use crate::law_names::{COLUMNS, DONE, NAMES};
 use emulator::{Machine, firmware};
 use friction::effects::EffectKind;
+use haptics::compensation::COMPENSATION_CYCLES;
 use haptics::settings::{PASSIVITY_CYCLES, effect_cycles};
 use haptics::{LawKind, RendererKind};
 
@@ -109,6 +110,40 @@ pub fn cycles_of_the_passivity_controller() {
             assert!(on - off <= f64::from(PASSIVITY_CYCLES), "{} with {}", law.id(), renderer.id());
         }
     }
+}
+
+/// What the feed-forward of the device's friction adds to the worst step under every law and renderer, and with cogging.
+pub fn cycles_of_the_compensation() {
+    let mut board = handled();
+    let listed = COMPENSATION_CYCLES;
+    println!("{:36} {:>6} {:>6} {:>6}", "control interrupt, cycles at worst:", "off", "on", "listed");
+    let friction = "compensate friction_p 0.5 friction_n 0.4 damping 3";
+    let cogging = "compensate friction_p 0.5 cogging.sine_1 0.1 cogging.cosine_2 0.1 cogging.wavelength 0.01";
+    let worst = |board: &mut Board, compensate: &str| {
+        board.ok(compensate);
+        board.ok("render on");
+        board.run(20.0);
+        board.machine.reset_statistics();
+        board.run(300.0);
+        board.ok("render off");
+        board.machine.statistics().step_cycles.max
+    };
+    for law in LawKind::ALL {
+        board.ok(&format!("set law {}", law.id()));
+        for renderer in RendererKind::ON_BOARD {
+            board.ok(&format!("set renderer {}", renderer.id()));
+            let [off, on] = ["compensate off", friction].map(|line| worst(&mut board, line));
+            println!("{:17} {:18} {off:>6.0} {on:>6.0} {listed:>6}", law.id(), renderer.id());
+            assert!(on - off <= f64::from(listed), "{} with {}", law.id(), renderer.id());
+        }
+    }
+    board.ok("set law karnopp");
+    let [off, on] = ["compensate off", cogging].map(|line| worst(&mut board, line));
+    let mut compensation = haptics::Compensation::off(&haptics::Device::default());
+    compensation.set("cogging.sine_1", "0.1").expect("a parameter");
+    let listed = compensation.cycles();
+    println!("{:36} {off:>6.0} {on:>6.0} {listed:>6}", "karnopp, with cogging");
+    assert!(on - off <= f64::from(listed));
 }
 
 /// Every effect alone under the cheapest law, with every gain set: what it adds to a step.

@@ -10,6 +10,7 @@ mod agreement;
 mod black_box;
 mod board;
 mod clock;
+mod compensation;
 mod cycles;
 mod device;
 mod endurance;
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         tests![
             agreement::target_and_host_render_the_same_forces_bit_for_bit,
             agreement::target_and_host_control_passivity_bit_for_bit,
+            agreement::target_and_host_compensate_bit_for_bit,
             agreement::target_and_host_drive_the_handle_bit_for_bit,
             agreement::target_and_host_search_the_stops_bit_for_bit,
             black_box::a_reset_reports_its_reason_and_motion,
@@ -53,10 +55,12 @@ fn main() -> ExitCode {
             clock::a_board_without_its_crystal_runs_and_says_so,
             clock::a_crystal_that_stops_takes_the_force_and_the_device_goes_on_without_it,
             clock::an_internal_clock_off_by_one_percent_loses_no_step_and_no_byte,
+            compensation::the_friction_of_the_device_is_felt_down_to_a_tenth,
             cycles::every_law_under_every_renderer_stays_within_the_cycles_of_a_step,
             cycles::cycles_of_every_law_and_of_a_bond,
             cycles::cycles_of_every_effect,
             cycles::cycles_of_the_passivity_controller,
+            cycles::cycles_of_the_compensation,
             cycles::the_longest_allowed_step_is_not_late,
             device::another_device_homes_and_identifies_after_a_reset,
             device::a_power_cut_leaves_the_old_or_the_new_device,

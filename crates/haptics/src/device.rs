@@ -2,6 +2,7 @@
 //!
 //! On a rotary device every length is an angle: read rad for m, N·m for N and kg·m² for kg.
 
+use crate::Compensation;
 use friction::Geometry;
 
 /// One analogue channel: SI = (code − `offset_code`) · `unit_per_code`.
@@ -92,6 +93,8 @@ pub struct Device {
     pub tracking_stiffness: f32,
     /// Derivative gain of the excitation, N·s/m.
     pub tracking_damping: f32,
+    /// What was found of the device and is fed forward while it renders.
+    pub compensation: Compensation,
     /// Cut-off of the second-order low-pass on the excitation command, Hz [thesis, ch. 3.5.2].
     pub command_cutoff_hz: f32,
 }
@@ -210,6 +213,7 @@ impl Default for Device {
             effect_cycles: 1_130,
             tracking_stiffness: TRACKING_STIFFNESS,
             tracking_damping: TRACKING_DAMPING,
+            compensation: Compensation::NONE,
             command_cutoff_hz: 100.0,
         }
     }

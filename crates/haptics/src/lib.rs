@@ -13,6 +13,8 @@
 extern crate std;
 
 pub mod bounds;
+pub mod compensation;
+mod compensation_settings;
 mod config;
 mod control;
 mod device;
@@ -21,6 +23,8 @@ pub mod drive;
 pub mod estimator;
 pub mod excitation;
 mod fault;
+mod fed;
+mod feed_forward;
 mod filter;
 pub mod generator;
 mod homing;
@@ -42,6 +46,7 @@ pub mod streaming_identify;
 mod verdict;
 pub mod wave;
 
+pub use compensation::Compensation;
 pub use config::Config;
 pub use control::Control;
 pub use device::{Channel, Device, RATES, Sheet};

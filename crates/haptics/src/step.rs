@@ -5,6 +5,7 @@
 
 use crate::drive::Drive;
 use crate::estimator::Estimator;
+use crate::feed_forward::FeedForward;
 use crate::homing::{Homed, Homing, Progress};
 use crate::machine::{Fault, Mode, Request};
 use crate::passivity::Passivity;
@@ -45,6 +46,7 @@ pub struct State {
     reconfigured: bool,
     recorder: Recorder,
     passivity: Passivity,
+    fed: FeedForward,
 }
 
 impl State {
@@ -69,6 +71,7 @@ impl State {
             reconfigured: false,
             recorder: Recorder::default(),
             passivity: Passivity::default(),
+            fed: FeedForward::default(),
         }
     }
 
@@ -311,7 +314,7 @@ impl State {
                 if !matches!(self.mode, Mode::Rendering { .. }) {
                     let contact = Contact::new(config, &handle.after(device.period));
                     (self.blend, self.swapped, self.fresh) = (0.0, false, true);
-                    self.passivity = Passivity::default();
+                    (self.passivity, self.fed) = (Passivity::default(), FeedForward::default());
                     self.mode = Mode::Rendering { since_ticks: inputs.sample_ticks, contact };
                 }
                 Ok(())
@@ -467,18 +470,28 @@ fn run_mode(
         }
         Mode::Rendering { contact, .. } => {
             let rendered = contact.step(config, handle);
+            let held = state.force - state.fed.force;
+            // its effects have a phase that only a referenced device knows
+            let fed = if config.fed.is_on && state.referenced {
+                state.fed.step(config, handle, inputs.load_code, rendered.force)
+            } else {
+                state.fed.force = 0.0;
+                0.0
+            };
             if core::mem::take(&mut state.swapped) {
-                state.blend = state.force - rendered.force;
+                state.blend = state.force - rendered.force - fed;
             }
             // a NaN difference is dropped; the force itself raises the fault
             state.blend = if state.blend.abs() > 1e-4 { state.blend * config.blend_decay } else { 0.0 };
             describe(&rendered, outputs);
             let force = rendered.force + state.blend;
-            if config.passivity {
-                Some(state.passivity.step(config, contact, handle, state.force, force))
+            let force = if config.passivity {
+                // of the contact alone: what compensates friction gives energy that friction takes
+                state.passivity.step(config, contact, handle, held, force)
             } else {
-                Some(force)
-            }
+                force
+            };
+            Some(force + fed)
         }
         Mode::Exciting { drive, identifying } => {
             let command = drive.step(config, handle.position, handle.velocity);

@@ -51,6 +51,8 @@ pub enum Command<'a> {
     Calibrate(Calibrate),
     /// `device …`
     Device(DeviceCommand<'a>),
+    /// `compensate …`: feed-forward of what was found of the device. Its `off` is [`DeviceCommand::Reset`].
+    Compensate(DeviceCommand<'a>),
     /// `watch [SECONDS [render]]`: longest silence of the host.
     Watch(Option<Watch>),
     /// `limit [NAME VALUE]`: a limit of the slow checks.
@@ -243,6 +245,7 @@ impl<'a> Command<'a> {
             "stream" => Self::Stream(stream(&mut words)?),
             "calibrate" => Self::Calibrate(calibrate(&mut words)?),
             "device" => Self::Device(device(&mut words)?),
+            "compensate" => Self::Compensate(compensate(&mut words)?),
             "watch" => Self::Watch(watch(&mut words)?),
             "limit" => Self::Limit(limit(&mut words)?),
             "rate" => Self::Rate(rate(&mut words)?),
@@ -319,15 +322,32 @@ fn device<'a>(words: &mut Words<'a>) -> Result<DeviceCommand<'a>, BadCommand<'a>
         None => DeviceCommand::Show,
         Some("reset") => DeviceCommand::Reset,
         Some("set") => {
-            let mut pairs = [None; MAX_PAIRS];
-            pairs[0] = Some((words.next()?, words.next()?));
-            for pair in &mut pairs[1..] {
-                let Some(name) = words.rest.next() else { break };
-                *pair = Some((name, words.next()?));
-            }
-            DeviceCommand::Set(pairs)
+            let name = words.next()?;
+            DeviceCommand::Set(pairs(name, words)?)
         }
         Some(word) => return Err(BadCommand::NotOneOf(word, "set, reset, or nothing")),
+    })
+}
+
+/// Names with their values, of which the first name was read.
+fn pairs<'a>(
+    first: &'a str,
+    words: &mut Words<'a>,
+) -> Result<[Option<(&'a str, &'a str)>; MAX_PAIRS], BadCommand<'a>> {
+    let mut pairs = [None; MAX_PAIRS];
+    pairs[0] = Some((first, words.next()?));
+    for pair in &mut pairs[1..] {
+        let Some(name) = words.rest.next() else { break };
+        *pair = Some((name, words.next()?));
+    }
+    Ok(pairs)
+}
+
+fn compensate<'a>(words: &mut Words<'a>) -> Result<DeviceCommand<'a>, BadCommand<'a>> {
+    Ok(match words.rest.next() {
+        None => DeviceCommand::Show,
+        Some("off") => DeviceCommand::Reset,
+        Some(name) => DeviceCommand::Set(pairs(name, words)?),
     })
 }
 
@@ -407,6 +427,14 @@ mod tests {
                     [("stroke", "2"), ("mass", "1e-4")].get(k).copied()
                 }))),
             ),
+            ("compensate", Command::Compensate(DeviceCommand::Show)),
+            ("compensate off", Command::Compensate(DeviceCommand::Reset)),
+            (
+                "compensate friction_p 1.04",
+                Command::Compensate(DeviceCommand::Set(core::array::from_fn(|k| {
+                    [("friction_p", "1.04")].get(k).copied()
+                }))),
+            ),
             ("watch", Command::Watch(None)),
             ("watch 0", Command::Watch(Some(Watch { seconds: 0.0, rendering: false }))),
             ("watch 2.5", Command::Watch(Some(Watch { seconds: 2.5, rendering: false }))),
@@ -446,6 +474,11 @@ mod tests {
                 "missing word; usage: `device [set NAME VALUE [NAME VALUE …] | reset]`",
             ),
             ("device sett", "SYNTAX", "`sett`: expected one of set, reset, or nothing"),
+            (
+                "compensate share",
+                "SYNTAX",
+                "missing word; usage: `compensate [NAME VALUE [NAME VALUE …] | off]`",
+            ),
             ("watch 2 rendre", "SYNTAX", "`rendre`: expected one of render, or nothing"),
             ("limit heating", "SYNTAX", "missing word; usage: `limit [NAME VALUE]`"),
             ("limit heating NaN", "VALUE", "VALUE = `NaN`: expected a finite number of N or s"),

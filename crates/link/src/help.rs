@@ -55,6 +55,10 @@ pub const HELP: &[HelpLine] = &[
         "device [set NAME VALUE [NAME VALUE …] | reset]",
         "the device: stroke, resolution, signs, gains …; stored, in use at once, unreferenced then",
     ),
+    line(
+        "compensate [NAME VALUE [NAME VALUE …] | off]",
+        "feeds forward what was found of the device while it renders: its friction, cogging; until it restarts",
+    ),
     line("rate [HZ]", "control rate; 1000 after a start"),
     line("version", "firmware version and board"),
 ];

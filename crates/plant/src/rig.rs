@@ -281,6 +281,15 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         -side * push.max(0.0)
     }
 
+    /// Force of the motor's magnets on the handle, N.
+    #[inline]
+    fn cogging_force(&self, position: f64) -> f64 {
+        if self.config.cogging == 0.0 {
+            return 0.0;
+        }
+        -self.config.cogging * libm::sin(core::f64::consts::TAU * (position / self.config.cogging_wavelength))
+    }
+
     /// Force of the handle on the block through a compliant coupling, N.
     #[inline]
     fn coupling_force(&self, handle: f64, block: f64, relative_velocity: f64) -> f64 {
@@ -302,7 +311,10 @@ impl<L: FrictionLaw<f64>> Rig<L> {
             hand.force(began + start + 0.5 * h, half_way, self.handle.velocity),
             &mut self.truth.not_finite,
         );
-        let mut applied = actuator + hand_force + self.stop_force(half_way, self.handle.velocity);
+        let mut applied = actuator
+            + hand_force
+            + self.stop_force(half_way, self.handle.velocity)
+            + self.cogging_force(half_way);
         let (rigid, normal) = (self.rigid(), self.normal);
         let before = self.handle.position;
         if !rigid {
@@ -350,7 +362,8 @@ impl<L: FrictionLaw<f64>> Rig<L> {
         let (x, v) = (self.handle.position, self.handle.velocity);
         let hand_force = finite(hand.force(self.truth.time, x, v), &mut self.truth.not_finite);
         let stop_force = self.stop_force(x, v);
-        let mut applied = actuator + hand_force + stop_force - self.handle.damping * v;
+        let mut applied =
+            actuator + hand_force + stop_force + self.cogging_force(x) - self.handle.damping * v;
         let (rigid, normal) = (self.rigid(), self.normal);
         let mut state = self.state;
         let mut coupled = None;

@@ -8,6 +8,7 @@
 //! predicted    the force of a recording by a model
 //! investigate  record, diagnose, make the move that tells explanations apart, repeat
 //! rendered     a real block, and the same rendered from its identification: do they feel the same?
+//! compensated  what was found of a device, fed forward on it: before and after
 //! simulated    a model moved by the device's own control step
 //! library      the presets that ship
 //! numbers      what people type, and what is accepted
@@ -19,6 +20,8 @@
 //! Nothing is printed here: progress and interruption go through [`Watch`], results and every [`Error`] to the caller.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "device")]
+pub mod compensated;
 pub mod conceal;
 pub mod diagnosed;
 mod error;
@@ -28,6 +31,8 @@ pub mod investigate;
 pub mod library;
 pub mod numbers;
 pub mod planar;
+#[cfg(feature = "device")]
+mod own_friction;
 pub mod predicted;
 mod prediction_errors;
 pub mod recordings;

@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod chart;
+mod compensation;
 mod diagnosis;
 mod escape;
 mod fragments;
@@ -37,6 +38,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use compensation::{Compensated, compensation};
 pub use diagnosis::diagnosis;
 pub use escape::escape;
 pub use identification::{Identified, Undetermined, identification};

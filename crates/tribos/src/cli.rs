@@ -1,8 +1,8 @@
 //! The command line as a whole.
 
 use crate::commands::{
-    benchmark, compare, connect, convert, demo, design, design_args, diagnose, experiment, export, figures,
-    identify, investigate, lab, predict, preset, prove, record, simulate,
+    benchmark, compare, compensate, connect, convert, demo, design, design_args, diagnose, experiment,
+    export, figures, identify, investigate, lab, predict, preset, prove, record, simulate,
 };
 use crate::failure::{Outcome, Result};
 use clap::{Parser, Subcommand};
@@ -33,6 +33,8 @@ enum Command {
     Investigate(investigate::Args),
     /// Compare a rendered block with a real one, in just noticeable differences
     Compare(compare::Args),
+    /// Feed forward what was found of a device itself, friction and cogging, and measure what the hand feels then
+    Compensate(compensate::Args),
     /// Predict the force of a recording with a model
     Predict(predict::Args),
     /// Move a simulated rig with a model's friction and record it
@@ -69,6 +71,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Diagnose(args) => diagnose::run(args),
         Command::Investigate(args) => investigate::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Compensate(args) => compensate::run(args),
         Command::Predict(args) => predict::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Export(args) => export::run(args),

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 pub enum Outcome {
     /// Exit code 0.
     Done,
-    /// Exit code 1: the finding asked for with `--expect` is not there.
+    /// Exit code 1: the finding asked for with `--expect`, or the improvement asked for, is not there.
     ExpectedFindingAbsent,
 }
 

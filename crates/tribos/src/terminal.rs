@@ -86,3 +86,17 @@ fn is_allowed(name: &str) -> bool {
         .read_line(&mut answer)
         .is_ok_and(|_| matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes"))
 }
+
+/// Tells the person at the terminal what to do, and waits for Enter.
+///
+/// # Errors
+/// Nobody is there.
+pub(crate) fn enter(what: &str) -> Result<()> {
+    if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
+        return Err(Failure::new(format!("{what}: nobody at the terminal to say that it is so")));
+    }
+    eprint!("{what}; then Enter ");
+    let _ = std::io::stderr().flush();
+    std::io::stdin().lock().read_line(&mut String::new()).map_err(Failure::new)?;
+    Ok(())
+}

@@ -84,6 +84,11 @@ macro_rules! catalogue {
             pub fn opposes_motion(self) -> bool {
                 match self { $($(#[$if_force])* Self::$Force => const { $Force::ABOUT.opposes_motion },)* }
             }
+            /// Whether it is a force of the position, which neither takes nor gives energy on a way there and back, or a part of
+            /// the applied force by position.
+            pub fn is_of_position(self) -> bool {
+                match self { $($(#[$if_force])* Self::$Force => const { of_position(&$Force::ABOUT) },)* }
+            }
             /// The effect that this shape is rather a case of.
             pub fn rather(self, shape: &[f64; MAX_SHAPE]) -> Option<Self> {
                 match self { $($(#[$if_force])* Self::$Force => $Force::rather(shape),)* }
@@ -216,6 +221,18 @@ catalogue! {
 #[must_use]
 pub fn about(id: &str) -> Option<&'static About> {
     CATALOGUE.iter().copied().find(|about| about.id == id)
+}
+
+/// Whether position and applied force are all that an effect reads.
+const fn of_position(about: &About) -> bool {
+    let mut k = 0;
+    while k < about.reads.len() {
+        if !matches!(about.reads[k], Quantity::Position | Quantity::Force) {
+            return false;
+        }
+        k += 1;
+    }
+    !about.opposes_motion
 }
 
 impl EffectKind {

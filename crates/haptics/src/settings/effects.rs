@@ -6,12 +6,12 @@ use crate::number;
 use friction::effects::{Effect, EffectKind};
 
 /// Index of a parameter in the gains or in the shape of an effect.
-enum Slot {
+pub(crate) enum Slot {
     Gain(usize),
     Shape(usize),
 }
 
-fn slot(kind: EffectKind, parameter: &str) -> Option<Slot> {
+pub(crate) fn slot(kind: EffectKind, parameter: &str) -> Option<Slot> {
     let gain = kind.gains().iter().position(|p| p.name == parameter).map(Slot::Gain);
     gain.or_else(|| kind.shape().iter().position(|p| p.name == parameter).map(Slot::Shape))
 }

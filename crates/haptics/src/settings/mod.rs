@@ -6,6 +6,7 @@ mod parameters;
 mod validate;
 
 pub use effects::{PASSIVITY_CYCLES, effect_cycles};
+pub(crate) use effects::{Slot, slot};
 pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, SetWhy, Value};
 
 use friction::effects::Effect;

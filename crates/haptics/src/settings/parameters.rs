@@ -3,6 +3,7 @@
 use super::{LawKind, RendererKind, Settings};
 use crate::number::{self, Text};
 use core::fmt;
+use friction::effects::EffectKind;
 use friction::{Dimension, Geometry, Unit};
 
 /// Description of a parameter, as in `help`.
@@ -17,7 +18,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    const fn number(name: &'static str, dimension: Dimension, what: &'static str) -> Self {
+    pub(crate) const fn number(name: &'static str, dimension: Dimension, what: &'static str) -> Self {
         Self { name, dimension: Some(dimension), what }
     }
 
@@ -79,6 +80,10 @@ pub enum SetWhy {
     ),
     /// All places for effects are in use.
     EffectsFull,
+    /// Unknown parameter of the compensation.
+    UnknownOfCompensation,
+    /// All places for effects of the device are in use.
+    FedFull,
 }
 
 impl fmt::Display for SetError<'_> {
@@ -92,6 +97,20 @@ impl fmt::Display for SetError<'_> {
             SetWhy::UnknownOfEffect(effect, gains, shape) => {
                 write!(f, "unknown parameter `{name}`; {effect} has")?;
                 gains.iter().chain(shape).try_for_each(|p| write!(f, " {}", p.name))
+            }
+            SetWhy::UnknownOfCompensation => {
+                write!(f, "unknown parameter `{name}`; accepted are")?;
+                crate::Compensation::PARAMETERS.iter().try_for_each(|p| write!(f, " {}", p.name))?;
+                f.write_str(", and EFFECT.PARAMETER of")?;
+                let of_position = EffectKind::ALL.iter().filter(|kind| kind.is_of_position());
+                of_position.into_iter().try_for_each(|kind| write!(f, " {}", kind.id()))
+            }
+            SetWhy::FedFull => {
+                write!(
+                    f,
+                    "{name}: at most {} effects; `compensate off` begins again",
+                    crate::compensation::MAX_FED
+                )
             }
             SetWhy::EffectsFull => {
                 write!(f, "{name}: at most {} effects; `set EFFECT off` frees a place", super::MAX_EFFECTS)

@@ -71,6 +71,9 @@ impl Settings {
     /// [`Refused`] for an unsafe value: NaN, a force above the limit of the actuator, friction that would add energy, a
     /// coupling outside its stability bounds.
     pub fn validate(&self, device: &Device) -> Result<Option<Warning>, Refused> {
+        device.compensation.validate(device)?;
+        // the contact is stable on the damping that is left
+        let device = &Device { damping: device.compensation.left_damping(device), ..*device };
         self.levels(device)?;
         within(
             "dv",
@@ -360,8 +363,9 @@ impl Settings {
             self.check_slope(effect, device).map_err(named)?;
         }
         let observer = if self.passivity { PASSIVITY_CYCLES } else { 0 };
-        let cycles =
-            observer + self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum::<u32>();
+        let cycles = observer
+            + device.compensation.cycles()
+            + self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum::<u32>();
         if cycles > device.effect_cycles {
             return Err(Refused {
                 effect: None,

@@ -2,6 +2,7 @@
 
 pub mod benchmark;
 pub mod compare;
+pub mod compensate;
 pub mod connect;
 pub mod convert;
 pub mod demo;
