@@ -1,5 +1,6 @@
 //! The firmware's ELF on the emulated board, and a terminal on its serial line.
 
+use crate::witness;
 use emulator::firmware::{self, BuildError};
 use emulator::{Image, Machine};
 use link::{Decoder, Frame, Item, Sample, reply};
@@ -98,7 +99,8 @@ impl Board {
     }
 
     /// A terminal at a machine, 50 ms later.
-    pub fn of(machine: Machine) -> Self {
+    pub fn of(mut machine: Machine) -> Self {
+        witness::watch(&mut machine);
         let mut board = Self {
             machine,
             image: image(),
@@ -113,6 +115,7 @@ impl Board {
 
     pub fn run(&mut self, ms: f64) {
         self.machine.run_for(ms);
+        witness::check(&self.machine);
         for byte in self.machine.serial_read() {
             match self.decoder.push(byte) {
                 Some(Item::Text(line)) => self.lines.push(line.to_owned()),

@@ -33,6 +33,7 @@ mod track;
 #[path = "../common/typist.rs"]
 mod typist;
 mod velocity;
+mod witness;
 
 use board::{Board, TOOLCHAIN};
 use haptics::ModeId;

@@ -10,6 +10,9 @@ const CFGR2: u32 = 0x10;
 const SMPR1: u32 = 0x14;
 const SMPR2: u32 = 0x18;
 const JSQR: u32 = 0x4c;
+const TR1: u32 = 0x20;
+const TR2: u32 = 0x24;
+const TR3: u32 = 0x28;
 const JDR1: u32 = 0x80;
 const CALFACT: u32 = 0xb4;
 const CCR: u32 = 0x308;
@@ -19,7 +22,8 @@ const CALIBRATED: u32 = 0x40;
 
 /// Timer trigger outputs among the injected triggers of ADC1 [rm0440, "ADC1 external triggers for injected channels"]:
 /// (JEXTSEL, timer).
-const TRIGGERS: [(u32, u8); 7] = [(0, 1), (2, 2), (5, 4), (9, 8), (12, 3), (14, 6), (15, 15)];
+pub(crate) const TRIGGERS: [(u32, u8); 9] =
+    [(0, 1), (2, 2), (5, 4), (9, 8), (12, 3), (14, 6), (15, 15), (16, 20), (30, 7)];
 const PRESCALERS: [u64; 12] = [1, 2, 4, 6, 8, 10, 12, 16, 32, 64, 128, 256];
 /// Sampling times in half cycles.
 const SAMPLING: [u64; 8] = [5, 13, 25, 49, 95, 185, 495, 1281];
@@ -52,6 +56,10 @@ impl Adc {
         let mut adc = Self { regs: [0; 256], running: None, idle_since: 0, violation: None };
         adc.set(CR, 1 << 29);
         adc.set(CFGR, 1 << 31);
+        // thresholds of the watchdogs
+        adc.set(TR1, 0x0fff_0000);
+        adc.set(TR2, 0x00ff_0000);
+        adc.set(TR3, 0x00ff_0000);
         adc
     }
 

@@ -1,11 +1,14 @@
 //! Maps loads and stores of the core to registers of the chip.
 
+use crate::flash::BANK_2;
+use crate::recording::Recording;
 use crate::soc::Soc;
 use crate::wait::{self, Waits};
 use rsemu::core::BusError;
 use rsemu::core::space::{MemAttrs, MemOps, MemResult, RomStore};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// State shared by core and chip.
 #[derive(Debug)]
@@ -19,6 +22,11 @@ pub(crate) struct Shared {
     /// Loads from flash.
     pub flash_loads: AtomicU64,
     pub waits: Mutex<Waits>,
+    /// Address of the running instruction.
+    pub pc: AtomicU32,
+    /// Name, value after a reset and fields of each register whose reserved bits are watched.
+    pub watched: OnceLock<HashMap<u32, (String, u32, u32)>>,
+    pub recording: OnceLock<Recording>,
     soc: Mutex<Soc>,
 }
 
@@ -30,6 +38,9 @@ impl Shared {
             waited: AtomicU64::new(0),
             flash_loads: AtomicU64::new(0),
             waits: Mutex::new(Waits::new()),
+            pc: AtomicU32::new(0),
+            watched: OnceLock::new(),
+            recording: OnceLock::new(),
             soc: Mutex::new(soc),
         }
     }
@@ -40,6 +51,26 @@ impl Shared {
 
     pub fn waits(&self) -> MutexGuard<'_, Waits> {
         self.waits.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Reserved bits keep their value after a reset [rm0440, "List of abbreviations for registers"]. `lanes` are the bits that a
+    /// store of one to four bytes writes.
+    fn watch_reserved(&self, address: u32, word: u32, lanes: u32) {
+        let Some(registers) = self.watched.get() else { return };
+        let pc = self.pc.load(Relaxed);
+        let why = match registers.get(&address) {
+            Some((name, reset, fields)) => {
+                let changed = (word ^ reset) & !fields & lanes;
+                if changed == 0 {
+                    return;
+                }
+                format!(
+                    "reserved bits {changed:#x} of {name} ({address:#x}) changed by {word:#x} at pc {pc:#x}"
+                )
+            }
+            None => format!("{word:#x} written to {address:#x}, which is no register, at pc {pc:#x}"),
+        };
+        self.soc().violations.insert(why);
     }
 
     fn wait(&self, cycles: u64) {
@@ -65,6 +96,9 @@ impl MemOps for Window {
         for (to, from) in data.iter_mut().zip(bytes) {
             *to = from;
         }
+        if let Some(recording) = self.shared.recording.get() {
+            recording.read(address, data);
+        }
         self.shared.touched.store(true, Relaxed);
         Ok(())
     }
@@ -72,12 +106,17 @@ impl MemOps for Window {
     fn write(&self, offset: u64, data: &[u8], _: MemAttrs) -> MemResult {
         let address = self.base + offset as u32;
         self.shared.wait(wait::bus(address).1);
+        if let Some(recording) = self.shared.recording.get() {
+            recording.write(address, data);
+        }
         let mut bytes = [0; 4];
         for (to, from) in bytes.iter_mut().zip(data) {
             *to = *from;
         }
         // peripherals take a narrow store as the register's low part, zero extended
         let word = u32::from_le_bytes(bytes) << (8 * (address & 3));
+        let lanes = (u64::MAX >> (64 - 8 * data.len().clamp(1, 4))) as u32;
+        self.shared.watch_reserved(address & !3, word, lanes << (8 * (address & 3)));
         self.shared.soc().write(address & !3, word, self.shared.now.load(Relaxed));
         self.shared.touched.store(true, Relaxed);
         Ok(())
@@ -128,10 +167,17 @@ impl Bank2 {
 
 impl MemOps for Bank2 {
     fn read(&self, offset: u64, data: &mut [u8], _: MemAttrs) -> MemResult {
-        self.with(|soc, now| soc.flash.fetch(offset as u32, data, now))
+        self.with(|soc, now| soc.flash.fetch(offset as u32, data, now))?;
+        if let Some(recording) = self.0.recording.get() {
+            recording.read(BANK_2 + offset as u32, data);
+        }
+        Ok(())
     }
 
     fn write(&self, offset: u64, data: &[u8], _: MemAttrs) -> MemResult {
+        if let Some(recording) = self.0.recording.get() {
+            recording.write(BANK_2 + offset as u32, data);
+        }
         self.with(|soc, now| soc.flash.store(offset as u32, data, now))
     }
 }

@@ -7,14 +7,16 @@ const DHR12L1: u32 = 0x0c;
 const DHR8R1: u32 = 0x10;
 const DOR1: u32 = 0x2c;
 const MCR: u32 = 0x3c;
+const SHHR: u32 = 0x48;
+const SHRR: u32 = 0x4c;
 
 /// 0.2 V of 3.3 V.
 const RAIL_CODES: u16 = 248;
 
 /// TSEL of each timer's trigger output [rm0440, "DAC1 interconnection"]: (code, timer).
-const TRIGGERS: [(u32, u8); 8] = [(1, 8), (2, 7), (3, 15), (4, 2), (5, 4), (7, 6), (8, 3), (0, 0)];
+pub(crate) const TRIGGERS: [(u32, u8); 7] = [(1, 8), (2, 7), (3, 15), (4, 2), (5, 4), (7, 6), (8, 3)];
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Dac {
     cr: u32,
     other: [u32; 20],
@@ -25,6 +27,14 @@ pub(crate) struct Dac {
 }
 
 impl Dac {
+    pub fn new() -> Self {
+        let mut other = [0; 20];
+        for times in [SHHR, SHRR] {
+            other[times as usize / 4] = 0x0001_0001;
+        }
+        Self { cr: 0, other, held: 0, output: 0, fresh: false }
+    }
+
     /// Output code, `None` while the channel is off.
     pub fn code(&self) -> Option<u16> {
         (self.cr & 1 != 0).then_some(self.output)
@@ -78,7 +88,7 @@ impl Dac {
     /// A timer's trigger output. True when it transferred the holding register.
     pub fn trigger(&mut self, timer: u8) -> bool {
         let selected = TRIGGERS.iter().any(|&(code, t)| t == timer && code == self.cr >> 2 & 0xf);
-        let listens = self.cr & 3 == 3 && selected && timer != 0;
+        let listens = self.cr & 3 == 3 && selected;
         if listens {
             self.transfer();
         }
@@ -97,7 +107,7 @@ mod tests {
 
     #[test]
     fn the_buffer_ends_before_the_rails() {
-        let mut dac = Dac::default();
+        let mut dac = Dac::new();
         dac.write(CR, 1);
         for (code, buffered) in [(0, 248), (100, 248), (2048, 2048), (4095, 3848)] {
             dac.write(DHR12R1, code);
@@ -110,7 +120,7 @@ mod tests {
 
     #[test]
     fn alignment_and_trigger_are_decoded() {
-        let mut dac = Dac::default();
+        let mut dac = Dac::new();
         assert_eq!(dac.code(), None);
         dac.write(CR, 1);
         dac.write(DHR12R1, 2048);

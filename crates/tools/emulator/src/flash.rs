@@ -41,7 +41,7 @@ const SR_BSY: u32 = 1 << 16;
 const SR_FLAGS: u32 = 0xc3fb;
 const SR_ERRORS: u32 = SR_FLAGS & !1;
 const ECCR_ECCD: u32 = 1 << 31;
-const ECCR_BANK_2: u32 = 1 << 21;
+const ECCR_BK_ECC: u32 = 1 << 21;
 /// Factory setting: two banks.
 const OPTR_RESET: u32 = 0xffef_f8aa;
 const OPTR_DBANK: u32 = 1 << 22;
@@ -335,7 +335,7 @@ impl Flash {
         if torn {
             // the address of the first one stays until it is cleared
             if self.eccr & ECCR_ECCD == 0 {
-                self.eccr = ECCR_ECCD | ECCR_BANK_2 | (offset & !7);
+                self.eccr = ECCR_ECCD | ECCR_BK_ECC | (offset & !7);
             }
             self.nmi = true;
         }

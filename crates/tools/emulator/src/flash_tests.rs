@@ -104,7 +104,7 @@ fn a_torn_double_word_raises_the_nmi() {
         if !flash.nmi {
             continue;
         }
-        assert_eq!(flash.read(ECCR, 0), ECCR_ECCD | ECCR_BANK_2 | (FIRST + 8));
+        assert_eq!(flash.read(ECCR, 0), ECCR_ECCD | ECCR_BK_ECC | (FIRST + 8));
         flash.write(ECCR, ECCR_ECCD, 0);
         assert_eq!(flash.read(ECCR, 0) & ECCR_ECCD, 0);
         flash.nmi = false;

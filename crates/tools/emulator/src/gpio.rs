@@ -1,6 +1,7 @@
 //! A GPIO port: modes, alternate functions, outputs by ODR, BSRR and BRR, inputs from the world.
 
 const MODER: u32 = 0x00;
+const OSPEEDR: u32 = 0x08;
 const PUPDR: u32 = 0x0c;
 const IDR: u32 = 0x10;
 const ODR: u32 = 0x14;
@@ -21,8 +22,16 @@ pub(crate) struct Gpio {
 }
 
 impl Gpio {
-    pub fn new() -> Self {
-        Self { moder: u32::MAX, pupdr: 0, odr: 0, afr: [0; 2], other: [0; 16], driven: (0, 0) }
+    /// Port 0 is A. Analog, but for the pins of the debugger on A and B.
+    pub fn new(port: usize) -> Self {
+        let (moder, ospeedr, pupdr) = match port {
+            0 => (0xabff_ffff, 0x0c00_0000, 0x6400_0000),
+            1 => (0xffff_febf, 0x0000_00c0, 0x0000_0100),
+            _ => (u32::MAX, 0, 0),
+        };
+        let mut other = [0; 16];
+        other[OSPEEDR as usize / 4] = ospeedr;
+        Self { moder, pupdr, odr: 0, afr: [0; 2], other, driven: (0, 0) }
     }
 
     /// Drives an input pin from outside.

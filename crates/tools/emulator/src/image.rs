@@ -112,6 +112,18 @@ impl Image {
         Ok(Self { flash, ccm, symbols, functions, code, flash_bytes, ram_bytes })
     }
 
+    /// Contents of the flash from its first address on.
+    #[must_use]
+    pub fn flash_contents(&self) -> Vec<u8> {
+        let mut contents = Vec::new();
+        for (address, data) in &self.flash {
+            let begin = (address - FLASH_BASE) as usize;
+            contents.resize(contents.len().max(begin + data.len()), 0xff);
+            contents[begin..begin + data.len()].copy_from_slice(data);
+        }
+        contents
+    }
+
     /// Word of the vector table.
     pub(crate) fn vector(&self, index: u32) -> u32 {
         let word = |data: &Vec<u8>| {

@@ -29,6 +29,10 @@
 //! Cycles are those of the interpreter, about one an instruction and one more an access, and what the core waits for flash, CCM
 //! SRAM and buses by the model in `wait.rs`.
 //!
+//! Two witnesses that were not written from the same reading of the manual: the vendor's description of the registers ([`svd`]) for
+//! addresses, bits, values after a reset and reserved bits; QEMU's Cortex-M4 for the core (`witness/replay.py`, [`Machine::record`]).
+//! What a peripheral does with its bits has none.
+//!
 //! Limits. No arbitration between core and DMA. Registers of unused peripherals read back their written values.
 #![forbid(unsafe_code)]
 
@@ -48,10 +52,12 @@ mod machine;
 pub mod random;
 mod rcc;
 mod reach;
+mod recording;
 pub mod report;
 mod soc;
 mod stats;
 mod supply;
+pub mod svd;
 mod tim;
 mod wait;
 mod world;

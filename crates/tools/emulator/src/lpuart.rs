@@ -13,10 +13,13 @@ const TDR: u32 = 0x28;
 
 /// Rate of the terminal.
 const TERMINAL_BAUD: f64 = 921_600.0;
-const IDLE: u32 = 1 << 4;
-const OVERRUN: u32 = 1 << 3;
-const FRAMING: u32 = 1 << 1;
-const DONE: u32 = 1 << 6;
+const ISR_IDLE: u32 = 1 << 4;
+const ISR_ORE: u32 = 1 << 3;
+const ISR_FE: u32 = 1 << 1;
+const ISR_TC: u32 = 1 << 6;
+const ISR_TEACK: u32 = 1 << 21;
+const ISR_REACK: u32 = 1 << 22;
+const ISR_TXFE: u32 = 1 << 23;
 
 #[derive(Debug, Default)]
 pub(crate) struct Lpuart {
@@ -38,6 +41,10 @@ pub(crate) struct Lpuart {
 }
 
 impl Lpuart {
+    pub fn new() -> Self {
+        Self { flags: ISR_TC, ..Self::default() }
+    }
+
     fn reg(&self, offset: u32) -> u32 {
         self.regs.get(offset as usize / 4).copied().unwrap_or(0)
     }
@@ -84,7 +91,10 @@ impl Lpuart {
     pub fn read(&mut self, offset: u32) -> u32 {
         match offset {
             ISR => {
-                let mut value = self.flags | 1 << 21 | 1 << 22;
+                let mut value = self.flags;
+                value |= if self.on(3) { ISR_TEACK } else { 0 };
+                value |= if self.on(2) { ISR_REACK } else { 0 };
+                value |= if self.depth() > 1 && self.queued.is_empty() { ISR_TXFE } else { 0 };
                 value |= u32::from(!self.received.is_empty()) << 5;
                 value |= u32::from(self.queued.len() < self.depth()) << 7;
                 value
@@ -97,11 +107,11 @@ impl Lpuart {
     pub fn write(&mut self, offset: u32, value: u32, now: u64, kernel_hz: u64) {
         self.kernel_hz = kernel_hz;
         match offset {
-            ICR => self.flags &= !(value & (IDLE | OVERRUN | FRAMING | DONE)),
+            ICR => self.flags &= !(value & (ISR_IDLE | ISR_ORE | ISR_FE | ISR_TC)),
             TDR => {
                 if self.on(3) && self.queued.len() < self.depth() {
                     self.queued.push_back(value as u8);
-                    self.flags &= !DONE;
+                    self.flags &= !ISR_TC;
                     self.send(now);
                 }
             }
@@ -129,7 +139,7 @@ impl Lpuart {
             self.sending = None;
             self.send(at);
             if self.sending.is_none() {
-                self.flags |= DONE;
+                self.flags |= ISR_TC;
             }
         }
         while let Some(at) = self.arrival
@@ -141,11 +151,11 @@ impl Lpuart {
             {
                 if self.received.len() >= self.depth() {
                     self.overruns += 1;
-                    self.flags |= OVERRUN;
+                    self.flags |= ISR_ORE;
                 } else if self.framed() {
                     self.received.push_back(byte);
                 } else {
-                    self.flags |= FRAMING;
+                    self.flags |= ISR_FE;
                     self.received.push_back(byte ^ 0x55);
                 }
             }
@@ -156,7 +166,7 @@ impl Lpuart {
         }
         if self.idle_at.is_some_and(|at| now >= at) {
             self.idle_at = None;
-            self.flags |= IDLE;
+            self.flags |= ISR_IDLE;
         }
     }
 
@@ -168,8 +178,8 @@ impl Lpuart {
     pub fn interrupt(&mut self) -> bool {
         let isr = self.read(ISR);
         let cr1 = self.reg(CR1);
-        let errors = isr & (OVERRUN | FRAMING) != 0 && self.reg(CR3) & 1 != 0;
-        let overrun = isr & OVERRUN != 0 && cr1 >> 5 & 1 != 0;
+        let errors = isr & (ISR_ORE | ISR_FE) != 0 && self.reg(CR3) & 1 != 0;
+        let overrun = isr & ISR_ORE != 0 && cr1 >> 5 & 1 != 0;
         cr1 & 1 != 0 && (isr & cr1 & 0xf0 != 0 || errors || overrun)
     }
 }
@@ -179,7 +189,7 @@ mod tests {
     use super::*;
 
     fn board() -> Lpuart {
-        let mut uart = Lpuart::default();
+        let mut uart = Lpuart::new();
         uart.write(BRR, 47_222, 0, 170_000_000);
         uart.write(CR1, 1 | 4 | 8 | 1 << 4 | 1 << 5, 0, 170_000_000);
         uart
@@ -199,7 +209,7 @@ mod tests {
             }
         }
         assert_eq!(text, b"ab");
-        assert_ne!(uart.read(ISR) & IDLE, 0);
+        assert_ne!(uart.read(ISR) & ISR_IDLE, 0);
         assert_eq!(uart.overruns, 0);
     }
 

@@ -5,8 +5,10 @@ use crate::flash::{BANK_2, BANK_BYTES};
 use crate::image::{CCM_BASE, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_SIZE};
 use crate::inject::{Injector, Pulses};
 use crate::rcc::ResetCause;
+use crate::recording::Recording;
 use crate::soc::{IRQ_ADC1_2, IRQS, Soc};
 use crate::stats::Statistics;
+use crate::svd::Register;
 use crate::wait::{Waits, loads_literal};
 use crate::world::World;
 use crate::{Image, Injected, UNITS_PER_MS, units_per_cycle};
@@ -15,7 +17,7 @@ use plant::{Bench, Hand, RigConfig, Truth, Wiring};
 use rsemu::core::space::{AddressSpace, DispatchPolicy, RamStore, Region, RomStore};
 use rsemu::core::value::{Endian, Width};
 use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -179,6 +181,7 @@ impl Machine {
             let pc = regs.r[15];
             let first = if was_asleep { None } else { self.first_half(pc) };
             let may_idle = matches!(first, None | Some(0xbf20 | 0xbf30 | WIDE_HINT));
+            self.shared.pc.store(pc, Relaxed);
             let mut cycles = self.step(&mut regs);
             if let Some(first) = first {
                 let wait = self.waits(pc, first);
@@ -245,8 +248,14 @@ impl Machine {
     /// whatever its condition. A core keeps it [armv7-m, ch. B1.5.6], so it is restored in the frame here.
     fn step(&mut self, regs: &mut Regs) -> u64 {
         let before = std::mem::take(regs);
+        let records = self.shared.recording.get().is_some();
+        let slept = records && self.cpu.is_asleep();
         let cycles = self.cpu.step();
         *regs = self.cpu.regs();
+        if let Some(recording) = self.shared.recording.get() {
+            recording
+                .step(&before, regs, [slept, self.cpu.is_asleep()], |exception| self.image.vector(exception));
+        }
         let it = before.xpsr & IT_STATE;
         if it != 0 && regs.msp < before.msp && (regs.xpsr ^ before.xpsr) & EXCEPTION != 0 {
             let at = u64::from(regs.msp.wrapping_sub(RAM_BASE)) + FRAME_XPSR;
@@ -452,6 +461,30 @@ impl Machine {
     /// Breaks or repairs the wire of the force command. Without it the amplifier's input is at 0 V: the full negative force.
     pub fn break_command(&mut self, broken: bool) {
         self.shared.soc().world.command_broken = broken;
+    }
+
+    /// From now on a store that changes reserved bits of these registers is a violation, and so is one to any other address of the
+    /// peripherals.
+    pub fn watch_reserved_bits(&mut self, registers: &[Register]) {
+        let mut watched = HashMap::new();
+        for register in registers {
+            // several registers may share an address
+            let name = format!("{} {}", register.peripheral, register.name);
+            let (_, _, fields) = watched.entry(register.address).or_insert((name, register.reset, 0));
+            *fields |= register.mask();
+        }
+        let _ = self.shared.watched.set(watched);
+    }
+
+    /// Records the run from here on, which is before the first instruction.
+    pub fn record(&mut self) {
+        let _ = self.shared.recording.set(Recording::default());
+    }
+
+    /// The recording so far, as the module `recording` describes it. Empty without one.
+    #[must_use]
+    pub fn recording(&self) -> Vec<u8> {
+        self.shared.recording.get().map(Recording::bytes).unwrap_or_default()
     }
 
     /// Writes a register like a hardware fault.

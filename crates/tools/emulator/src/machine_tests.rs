@@ -42,6 +42,22 @@ fn image() -> Image {
 }
 
 #[test]
+fn a_store_to_reserved_bits_is_seen() {
+    let mut image = image();
+    // ldr r0, =PWR_CR5 · mov r1, #0x101 · str r1, [r0] · b to itself
+    let program = [0x4802_u16, 0xf240, 0x1101, 0x6001, 0xe7fe, 0xbf00, 0x7080, 0x4000];
+    let code: Vec<u8> = program.iter().flat_map(|half| half.to_le_bytes()).collect();
+    let at = CODE as usize;
+    image.flash[0].1[at..at + code.len()].copy_from_slice(&code);
+    let mut machine = Machine::free_handle(&image, 1);
+    machine.watch_reserved_bits(&crate::svd::registers().expect("the sources"));
+    machine.shared.soc().write(0x4002_1058, 1 << 28, 0); // PWREN
+    machine.run_for(0.01);
+    let why = "reserved bits 0x1 of PWR CR5 (0x40007080) changed by 0x101 at pc 0x8000106";
+    assert_eq!(machine.violations().into_iter().collect::<Vec<_>>(), [why]);
+}
+
+#[test]
 fn an_interrupt_within_an_it_block_keeps_its_conditions() {
     let mut machine = Machine::free_handle(&image(), 1);
     let (mut interrupted, mut served) = (0, false);

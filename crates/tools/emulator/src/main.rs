@@ -1,4 +1,4 @@
-//! `cargo run --release -p emulator -- run|report`: the firmware's ELF on the emulated board.
+//! `cargo run --release -p emulator -- run|record|report`: the firmware's ELF on the emulated board.
 #![forbid(unsafe_code)]
 
 mod command;
@@ -21,6 +21,8 @@ struct Cli {
 enum Command {
     /// The board in real time, its serial line on a pseudo-terminal for `tribos connect|record|identify`
     Run(command::run::Args),
+    /// A run with everything that the core read and wrote, for another emulator
+    Record(command::record::Args),
     /// Figures of the firmware under full load, against their bars
     Report(command::report::Args),
 }
@@ -28,6 +30,7 @@ enum Command {
 fn main() -> ExitCode {
     let ended = match &Cli::parse().command {
         Command::Run(args) => command::run::run(args),
+        Command::Record(args) => command::record::run(args),
         Command::Report(args) => command::report::run(args),
     };
     ended.unwrap_or_else(|why| {

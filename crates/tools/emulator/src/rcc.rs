@@ -3,10 +3,19 @@
 use std::collections::HashMap;
 
 const CR: u32 = 0x00;
+const ICSCR: u32 = 0x04;
 const CFGR: u32 = 0x08;
 const PLLCFGR: u32 = 0x0c;
 const CIFR: u32 = 0x1c;
 const CICR: u32 = 0x20;
+const AHB1ENR: u32 = 0x48;
+const APB1ENR1: u32 = 0x58;
+const AHB1SMENR: u32 = 0x68;
+const AHB2SMENR: u32 = 0x6c;
+const AHB3SMENR: u32 = 0x70;
+const APB1SMENR1: u32 = 0x78;
+const APB1SMENR2: u32 = 0x7c;
+const APB2SMENR: u32 = 0x80;
 const CCIPR: u32 = 0x88;
 const BDCR: u32 = 0x90;
 const CSR: u32 = 0x94;
@@ -16,10 +25,10 @@ const HSI_HZ: u64 = 16_000_000;
 /// Crystal of the board's X3.
 const HSE_HZ: u64 = 24_000_000;
 /// Flags of an oscillator that failed, and the bits of CR around it.
-const CSS_FLAG: u32 = 1 << 8;
-const CSS_ON: u32 = 1 << 19;
-const HSE_ON: u32 = 1 << 16;
-const PLL_ON: u32 = 1 << 24;
+const CIFR_CSSF: u32 = 1 << 8;
+const CR_CSSON: u32 = 1 << 19;
+const CR_HSEON: u32 = 1 << 16;
+const CR_PLLON: u32 = 1 << 24;
 /// Highest clock to which the core may switch with an undivided AHB [rm0440, "System clock (SYSCLK) selection"].
 const UNDIVIDED_HZ: u64 = 80_000_000;
 
@@ -80,7 +89,23 @@ pub(crate) struct Rcc {
 
 impl Rcc {
     pub fn new(cause: ResetCause) -> Self {
-        let regs = HashMap::from([(CR, 0x500), (CFGR, 0x5), (PLLCFGR, 0x1000), (CSR, cause.flags())]);
+        let regs = HashMap::from([
+            (CR, 0x500),
+            (ICSCR, 0x4000_0000),
+            (CFGR, 0x5),
+            (PLLCFGR, 0x1000),
+            // flash, and the bus of the real-time clock
+            (AHB1ENR, 0x100),
+            (APB1ENR1, 0x400),
+            // asleep, everything has its clock
+            (AHB1SMENR, 0x130f),
+            (AHB2SMENR, 0x050f_667f),
+            (AHB3SMENR, 0x101),
+            (APB1SMENR1, 0xd2fe_cd3f),
+            (APB1SMENR2, 0x103),
+            (APB2SMENR, 0x0437_f801),
+            (CSR, cause.flags()),
+        ]);
         Self { regs, crystal: true, hsi_error: 0, nmi: false, violation: None }
     }
 
@@ -94,15 +119,15 @@ impl Rcc {
     pub fn set_crystal(&mut self, oscillates: bool) {
         self.crystal = oscillates;
         let cr = self.reg(CR);
-        if !oscillates && cr & CSS_ON != 0 && cr & HSE_ON != 0 {
+        if !oscillates && cr & CR_CSSON != 0 && cr & CR_HSEON != 0 {
             let of_pll = self.reg(PLLCFGR) & 3 == 3;
-            let off = HSE_ON | CSS_ON | if of_pll { PLL_ON } else { 0 };
+            let off = CR_HSEON | CR_CSSON | if of_pll { CR_PLLON } else { 0 };
             self.regs.insert(CR, cr & !off);
             let cfgr = self.reg(CFGR);
             if cfgr & 3 == 2 || cfgr & 3 == 3 && of_pll {
                 self.regs.insert(CFGR, cfgr & !3 | 1);
             }
-            self.regs.insert(CIFR, CSS_FLAG);
+            self.regs.insert(CIFR, CIFR_CSSF);
             self.nmi = true;
         }
     }
@@ -114,7 +139,7 @@ impl Rcc {
 
     /// Crystal, Hz; 0 while it does not oscillate.
     fn hse(&self) -> u64 {
-        if self.crystal && self.reg(CR) & HSE_ON != 0 { HSE_HZ } else { 0 }
+        if self.crystal && self.reg(CR) & CR_HSEON != 0 { HSE_HZ } else { 0 }
     }
 
     fn reg(&self, offset: u32) -> u32 {
@@ -141,10 +166,10 @@ impl Rcc {
             CSR if value & (1 << 23) != 0 => value & 1,
             CSR => (value & 1) | (self.reg(CSR) & 0xff00_0000),
             // clock security lasts until the crystal fails or the chip resets
-            CR => value | (self.reg(CR) & CSS_ON),
+            CR => value | (self.reg(CR) & CR_CSSON),
             _ => value,
         };
-        if offset == CICR && value & CSS_FLAG != 0 {
+        if offset == CICR && value & CIFR_CSSF != 0 {
             self.regs.insert(CIFR, 0);
         }
         let before = self.hclk();
@@ -250,18 +275,18 @@ mod tests {
     fn a_crystal_that_stops_leaves_the_internal_oscillator_only_with_clock_security() {
         for security in [true, false] {
             let mut rcc = Rcc::new(ResetCause::PowerOn);
-            rcc.write(CR, 0x500 | HSE_ON | if security { CSS_ON } else { 0 });
+            rcc.write(CR, 0x500 | CR_HSEON | if security { CR_CSSON } else { 0 });
             assert_ne!(rcc.read(CR) & 1 << 17, 0);
             rcc.write(PLLCFGR, 3 | 5 << 4 | 85 << 8 | 1 << 24);
-            rcc.write(CR, rcc.read(CR) | PLL_ON);
+            rcc.write(CR, rcc.read(CR) | CR_PLLON);
             rcc.write(CFGR, 3 | 8 << 4);
             rcc.write(CFGR, 3);
             assert_eq!((rcc.hclk(), rcc.violation.take()), (170_000_000, None));
             rcc.set_crystal(false);
             assert_eq!((rcc.hclk(), rcc.nmi), if security { (16_000_000, true) } else { (0, false) });
-            assert_eq!(rcc.read(CIFR) & CSS_FLAG != 0, security);
+            assert_eq!(rcc.read(CIFR) & CIFR_CSSF != 0, security);
             rcc.reset(ResetCause::Software);
-            rcc.write(CR, 0x500 | HSE_ON);
+            rcc.write(CR, 0x500 | CR_HSEON);
             assert_eq!(rcc.read(CR) & 1 << 17, 0, "still dead after the reset");
         }
     }
@@ -270,7 +295,7 @@ mod tests {
     fn a_switch_beyond_80_mhz_needs_a_divided_ahb() {
         let mut rcc = Rcc::new(ResetCause::PowerOn);
         rcc.write(PLLCFGR, 2 | 3 << 4 | 85 << 8 | 1 << 24);
-        rcc.write(CR, 0x500 | PLL_ON);
+        rcc.write(CR, 0x500 | CR_PLLON);
         rcc.write(CFGR, 3);
         assert!(rcc.violation.is_some());
     }

@@ -93,11 +93,11 @@ impl Soc {
             rcc: Rcc::new(ResetCause::PowerOn),
             tims: [2, 3, 4, 5, 6, 7].map(Tim::new),
             adc: Adc::new(),
-            dac: Dac::default(),
-            lpuart: Lpuart::default(),
+            dac: Dac::new(),
+            lpuart: Lpuart::new(),
             iwdg: Iwdg::new(),
             flash: Flash::new(),
-            gpio: std::array::from_fn(|_| Gpio::new()),
+            gpio: std::array::from_fn(Gpio::new),
             supply: Supply::new(),
             other: HashMap::new(),
             world,
@@ -130,12 +130,12 @@ impl Soc {
         self.rcc.reset(cause);
         self.tims = [2, 3, 4, 5, 6, 7].map(Tim::new);
         self.adc = Adc::new();
-        self.dac = Dac::default();
-        self.lpuart = Lpuart::default();
+        self.dac = Dac::new();
+        self.lpuart = Lpuart::new();
         self.lpuart.shown = shown;
         self.lpuart.overruns = overruns;
         self.iwdg = Iwdg::new();
-        self.gpio = std::array::from_fn(|_| Gpio::new());
+        self.gpio = std::array::from_fn(Gpio::new);
         self.supply.reset();
         self.other.clear();
         (self.sampled_at, self.awaiting_output, self.last_output, self.last_fed) = (None, None, None, None);
@@ -463,3 +463,6 @@ impl Soc {
 #[cfg(test)]
 #[path = "soc_tests.rs"]
 mod tests;
+#[cfg(test)]
+#[path = "witness_tests.rs"]
+mod witness;

@@ -1,12 +1,14 @@
 //! The supply: voltage detector (PWR) and its line of the EXTI.
 
+const PWR_CR1: u32 = 0x00;
 const PWR_CR2: u32 = 0x04;
+const PWR_CR3: u32 = 0x08;
 const PWR_SR2: u32 = 0x14;
-/// Index of PWR_CR5.
-const PWR_CR5: usize = 0x80 / 4;
+const PWR_CR5: u32 = 0x80;
 /// Range 1 without boost.
-const R1MODE: u32 = 1 << 8;
+const CR5_R1MODE: u32 = 1 << 8;
 const EXTI_IMR1: u32 = 0x00;
+const EXTI_IMR2: u32 = 0x20;
 const EXTI_RTSR1: u32 = 0x08;
 const EXTI_FTSR1: u32 = 0x0c;
 const EXTI_PR1: u32 = 0x14;
@@ -31,13 +33,16 @@ pub(crate) struct Supply {
 
 impl Supply {
     pub fn new() -> Self {
-        Self {
-            millivolt: 3300,
-            reset_mv: RESET_MV[0],
-            was_low: false,
-            pwr: std::array::from_fn(|k| if k == PWR_CR5 { R1MODE } else { 0 }),
-            exti: [0; 16],
+        let (mut pwr, mut exti) = ([0; 40], [0; 16]);
+        // range 1; the internal wake-up line
+        for (register, value) in [(PWR_CR1, 0x200), (PWR_CR3, 0x8000), (PWR_CR5, CR5_R1MODE)] {
+            pwr[register as usize / 4] = value;
         }
+        // the lines that have no edges
+        for (register, value) in [(EXTI_IMR1, 0xff82_0000), (EXTI_IMR2, 0xffff_ff87)] {
+            exti[register as usize / 4] = value;
+        }
+        Self { millivolt: 3300, reset_mv: RESET_MV[0], was_low: false, pwr, exti }
     }
 
     /// Sets VDD. True if it is too low for the chip.
@@ -59,7 +64,7 @@ impl Supply {
 
     /// Whether range 1 is boosted, which allows more than 150 MHz [rm0440, 6.1.5].
     pub fn boosted(&self) -> bool {
-        self.pwr[PWR_CR5] & R1MODE == 0
+        self.pwr[PWR_CR5 as usize / 4] & CR5_R1MODE == 0
     }
 
     fn low(&self) -> bool {

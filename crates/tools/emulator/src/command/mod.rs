@@ -1,5 +1,6 @@
 //! The commands, and the image they run.
 
+pub mod record;
 pub mod report;
 pub mod run;
 
