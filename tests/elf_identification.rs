@@ -7,3 +7,5 @@
 mod board;
 #[path = "elf/identification.rs"]
 mod identification;
+#[path = "elf/witness.rs"]
+mod witness;

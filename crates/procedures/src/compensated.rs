@@ -373,7 +373,7 @@ pub fn measure(
     out: &Path,
     seconds: f64,
     watch: &dyn Watch,
-    by_hand: &mut dyn FnMut(&mut Session, Hand) -> Result<()>,
+    by_hand: &mut dyn FnMut(&mut Session, Hand) -> std::result::Result<(), client::Error>,
 ) -> Result<Measured> {
     let status = session.command("status")?;
     let measured = measure_with(session, feed, out, seconds, watch, by_hand);
@@ -395,7 +395,7 @@ fn measure_with(
     out: &Path,
     seconds: f64,
     watch: &dyn Watch,
-    by_hand: &mut dyn FnMut(&mut Session, Hand) -> Result<()>,
+    by_hand: &mut dyn FnMut(&mut Session, Hand) -> std::result::Result<(), client::Error>,
 ) -> Result<Measured> {
     session.command("compensate off")?;
     // rendered is nothing: what is felt is the device
@@ -477,7 +477,7 @@ mod tests {
         (dir, session, device, model)
     }
 
-    fn hand(session: &mut Session, hand: Hand) -> Result<()> {
+    fn hand(session: &mut Session, hand: Hand) -> std::result::Result<(), client::Error> {
         session.command(if hand == Hand::Off { "sim hand off" } else { "sim hand sine 0.008 0.5" })?;
         Ok(())
     }

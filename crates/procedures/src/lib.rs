@@ -30,9 +30,9 @@ pub mod identified;
 pub mod investigate;
 pub mod library;
 pub mod numbers;
-pub mod planar;
 #[cfg(feature = "device")]
 mod own_friction;
+pub mod planar;
 pub mod predicted;
 mod prediction_errors;
 pub mod recordings;

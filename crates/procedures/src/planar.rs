@@ -168,10 +168,10 @@ pub fn predict(model: &PlanarModel, recording: &PlanarRecording) -> Result<Predi
     for stretch in prepared.stretches {
         let t = Track::new(stretch, cutoff);
         let force = model.predict(&t);
-        for axis in 0..2 {
-            let left: Vec<f64> = t.f[axis].iter().zip(&force[axis]).map(|(f, p)| f - p).collect();
+        for (measured, predicted) in t.f.iter().zip(&force) {
+            let left: Vec<f64> = measured.iter().zip(predicted).map(|(f, p)| f - p).collect();
             error += t.rows(&left).iter().map(|x| x * x).sum::<f64>();
-            size += t.rows(&t.f[axis]).iter().map(|x| x * x).sum::<f64>();
+            size += t.rows(measured).iter().map(|x| x * x).sum::<f64>();
             rows += t.share().iter().sum::<f64>();
         }
         out.time.extend((0..t.len()).map(|i| t.raw[0].start + i as f64 * t.raw[0].dt));

@@ -71,6 +71,9 @@ fn coordinates(design: &Design) -> Vec<Coordinate> {
     ]
 }
 
+/// Rows of a bin, and which of the tests is its.
+type Tested = (Vec<usize>, Option<usize>);
+
 /// Finds the regions of `residual` beside `columns`; `after` is the residual of the final model.
 pub(super) fn locate(
     design: &Design,
@@ -84,8 +87,8 @@ pub(super) fn locate(
     let spread = (dot(after, after) / after.len().max(1) as f64).sqrt();
     let all = coordinates(design);
     let (mut observed, mut noises, mut scale) = (Vec::new(), Vec::new(), Vec::new());
-    // coordinate, edges, rows of each bin and the test of each
-    let mut cuts: Vec<(usize, Vec<f64>, Vec<(Vec<usize>, Option<usize>)>)> = Vec::new();
+    // coordinate, edges and bins
+    let mut cuts: Vec<(usize, Vec<f64>, Vec<Tested>)> = Vec::new();
     for (index, c) in all.iter().enumerate() {
         let used = |row: &usize| design.share[*row] > 0.5 && c.values[*row].is_finite();
         let values: Vec<f64> = (0..design.rows.len()).filter(used).map(|row| c.values[row]).collect();

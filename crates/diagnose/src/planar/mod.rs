@@ -510,19 +510,20 @@ impl Told<'_> {
                     slid
                 })
                 .collect();
-            let means = [&t.direction[0], &t.direction[1], &t.speed, &path].map(|s| t.row_means(s));
+            let [towards_x, towards_y, speed, along_path] =
+                [&t.direction[0], &t.direction[1], &t.speed, &path].map(|s| t.row_means(s));
             for r in 0..t.row_count() {
                 let (Some(x), Some(y)) = (place.get(&(track, 0, r)), place.get(&(track, 1, r))) else {
                     continue;
                 };
-                let [nx, ny] = [means[0][r], means[1][r]];
+                let (nx, ny) = (towards_x[r], towards_y[r]);
                 if !(nx.is_finite() && ny.is_finite()) {
                     continue;
                 }
                 let along = |series: &[f64]| nx * series[*x] + ny * series[*y];
                 out.time.push(t.row_time(r));
-                out.position.push(means[3][r]);
-                out.velocity.push(means[2][r]);
+                out.position.push(along_path[r]);
+                out.velocity.push(speed[r]);
                 out.force.push(along(&self.design.force));
                 out.before.push(along(&self.baseline.fit.heldout_prediction));
                 // an ellipse is fitted to the force moved by a known part, and so is what it predicts

@@ -137,11 +137,10 @@ fn a_planar_model_predicts_another_recording() {
     let (mut error, mut size) = (0.0, 0.0);
     for track in &judged.tracks {
         let predicted = read.predict(track);
-        for axis in 0..2 {
-            let left: Vec<f64> =
-                predicted[axis].iter().zip(&track.raw[axis].force).map(|(p, f)| f - p).collect();
+        for (predicted, raw) in predicted.iter().zip(&track.raw) {
+            let left: Vec<f64> = predicted.iter().zip(&raw.force).map(|(p, f)| f - p).collect();
             error += track.rows(&left).iter().map(|x| x * x).sum::<f64>();
-            size += track.rows(&track.raw[axis].force).iter().map(|x| x * x).sum::<f64>();
+            size += track.rows(&raw.force).iter().map(|x| x * x).sum::<f64>();
         }
     }
     let share = (error / size).sqrt();

@@ -102,7 +102,10 @@ fn on_device(args: &Args, model: Option<Model>) -> Result<Outcome> {
     }
     let device = compensated::device_of(&mut session)?;
     // what the device would refuse, before a file is made
-    let checked = model.as_ref().map(|model| FeedForward::of(model, args.share, &device)).transpose()?;
+    let checked = match &model {
+        Some(model) => Some(FeedForward::of(model, args.share, &device)?),
+        None => None,
+    };
     let out = args.out.clone().unwrap_or_else(|| demo::fresh_folder("tribos-compensation"));
     std::fs::create_dir_all(&out)
         .map_err(|e| Failure::in_file(&out, format!("cannot be made a folder: {}", files::reason(&e))))?;
