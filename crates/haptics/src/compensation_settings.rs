@@ -139,6 +139,10 @@ impl Compensation {
     /// # Errors
     /// [`Refused`]: the first one outside its range, with the number that would be accepted.
     pub fn validate(&self, device: &Device) -> Result<(), Refused> {
+        // switched off it does nothing, and its defaults are those of another device
+        if self.share == 0.0 {
+            return Ok(());
+        }
         let force = |what| Reason::of(Dimension::FORCE, what);
         let friction = device.force(FRICTION);
         let ranges = [

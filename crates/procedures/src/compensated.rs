@@ -218,7 +218,8 @@ pub fn predict(
     }
     let signals = prepare(recording, &Preprocess::Tribos { cutoff_hz: model.cutoff_hz })?;
     let explained = model.predict_signals(&signals);
-    let slow = f64::from(feed.settings.speed);
+    // a slow sweep runs at the speed that says the direction
+    let slow = 0.5 * f64::from(feed.settings.speed);
     let (mut before, mut after, mut unexplained, mut samples) = (0.0, 0.0, 0.0, 0_usize);
     let offset = model.nuisances.offset;
     for (i, explained) in explained.iter().enumerate() {
