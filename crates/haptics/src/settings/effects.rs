@@ -28,7 +28,7 @@ pub fn effect_cycles(kind: EffectKind) -> u32 {
         EffectKind::PositionDependentFriction => 160,
         EffectKind::FrictionDrift | EffectKind::Presliding => 240,
         EffectKind::Gravity => 330,
-        EffectKind::TorqueRipple => 360,
+        EffectKind::TorqueRipple => 370,
         EffectKind::PeriodicFriction => 370,
         EffectKind::Cogging => 400,
         EffectKind::RisingStaticFriction => 350,
