@@ -8,7 +8,7 @@ use crate::presets::{Library, NotStored};
 use core::fmt::Write;
 use embassy_futures::block_on;
 use flash::SimulatedFlash;
-use friction::effects::Effect;
+use friction::effects::{Effect, EffectKind};
 use friction::{Coulomb, Dimension, Invalid, Karnopp, Law};
 use haptics::{Channel, Device, Inputs, ModeId, Outputs, Sheet};
 use link::HelpLine;
@@ -430,16 +430,20 @@ impl SimulatedBoard {
                 let _ = self.rig.reconfigure(friction);
                 let _ = write!(out, "device friction {p} {n} {}", unit(Dimension::FORCE));
             }
-            ["cogging", amplitude, wavelength] => {
+            [word, amplitude, wavelength] if *word == EffectKind::Cogging.id() => {
                 let amplitude = number(out, "NEWTON", amplitude, 0.3 * f64::from(plant.force_max))?.abs();
-                let cogging_wavelength = number(out, "METRE", wavelength, length(0.032))?;
-                let cogging = RigConfig { cogging: amplitude, cogging_wavelength, ..*self.rig.config() };
+                let every = number(out, "METRE", wavelength, length(0.032))?;
+                let cogging = RigConfig {
+                    device_cogging: amplitude,
+                    device_cogging_wavelength: every,
+                    ..*self.rig.config()
+                };
                 if let Err(invalid) = self.rig.reconfigure(cogging) {
                     let _ = write!(out, "{invalid}");
                     return Err("REFUSED");
                 }
                 let (n, m) = (unit(Dimension::FORCE), unit(Dimension::LENGTH));
-                let _ = write!(out, "cogging {amplitude} {n} every {cogging_wavelength} {m}");
+                let _ = write!(out, "cogging {amplitude} {n} every {every} {m}");
             }
             ["hang", text] => {
                 let weight = number(out, "NEWTON", text, 44.0 * f64::from(plant.force(1.0)))?;

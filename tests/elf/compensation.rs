@@ -15,8 +15,8 @@ fn board() -> Board {
     let config = RigConfig {
         device_friction_p: rig.device_friction_p,
         device_friction_n: rig.device_friction_n,
-        cogging: 0.2,
-        cogging_wavelength: 4e-3,
+        device_cogging: 0.2,
+        device_cogging_wavelength: 4e-3,
         ..RigConfig::free_handle()
     };
     let no_block = friction::Custom(|_: &friction::Motion<f64>| 0.0);

@@ -41,9 +41,9 @@ pub struct RigConfig {
     /// Coulomb friction of the device against reverse motion, N [thesis, table 3-1]. 0 is none.
     pub device_friction_n: f64,
     /// Amplitude of the motor's cogging, N: −A·sin(2πx/λ) on the handle. 0 is none.
-    pub cogging: f64,
+    pub device_cogging: f64,
     /// Wavelength λ of it, m.
-    pub cogging_wavelength: f64,
+    pub device_cogging_wavelength: f64,
     /// Mass of the block, kg. 0 is no block: the handle is free and the law is not used.
     pub block_mass: f64,
     /// Mass of the handle beyond the load cell without a block, kg. Part of `device_mass`.
@@ -126,8 +126,8 @@ impl RigConfig {
         in_range("device_damping", self.device_damping, 0.0, 1e4)?;
         in_range("device_friction_p", self.device_friction_p, 0.0, 1e3)?;
         in_range("device_friction_n", self.device_friction_n, 0.0, 1e3)?;
-        in_range("cogging", self.cogging, 0.0, 1e3)?;
-        in_range("cogging_wavelength", self.cogging_wavelength, 1e-4, 1e3)?;
+        in_range("device_cogging", self.device_cogging, 0.0, 1e3)?;
+        in_range("device_cogging_wavelength", self.device_cogging_wavelength, 1e-4, 1e3)?;
         in_range("block_mass", self.block_mass, 0.0, 1e3)?;
         in_range("handle_mass", self.handle_mass, 0.0, self.device_mass)?;
         if let Some(normal_load) = self.normal_load {
@@ -192,8 +192,8 @@ impl Default for RigConfig {
             device_damping: 6.92,
             device_friction_p: 1.04,
             device_friction_n: 0.69,
-            cogging: 0.0,
-            cogging_wavelength: 4e-3,
+            device_cogging: 0.0,
+            device_cogging_wavelength: 4e-3,
             block_mass: 0.419,
             handle_mass: 0.0,
             normal_load: None,

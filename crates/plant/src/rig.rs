@@ -284,10 +284,11 @@ impl<L: FrictionLaw<f64>> Rig<L> {
     /// Force of the motor's magnets on the handle, N.
     #[inline]
     fn cogging_force(&self, position: f64) -> f64 {
-        if self.config.cogging == 0.0 {
+        if self.config.device_cogging == 0.0 {
             return 0.0;
         }
-        -self.config.cogging * libm::sin(core::f64::consts::TAU * (position / self.config.cogging_wavelength))
+        -self.config.device_cogging
+            * libm::sin(core::f64::consts::TAU * (position / self.config.device_cogging_wavelength))
     }
 
     /// Force of the handle on the block through a compliant coupling, N.

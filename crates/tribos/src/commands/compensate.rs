@@ -6,6 +6,7 @@ use crate::options::{self, Mapping};
 use crate::terminal::{Terminal, enter, reference};
 use crate::{files, reading};
 use client::Session;
+use friction::effects::EffectKind;
 use friction::{Dimension, Geometry};
 use haptics::Device;
 use identify::Model;
@@ -203,7 +204,7 @@ fn rows(measured: &Measured, geometry: Geometry) -> [[String; 4]; 5] {
         row("friction, forward", &level(0), Dimension::FORCE),
         row("friction, back", &level(1), Dimension::FORCE),
         row("break-away", &|felt| format!("{:.3}", felt.break_away), Dimension::FORCE),
-        row("cogging", &|felt| format!("{:.3}", felt.cogging), Dimension::FORCE),
+        row(EffectKind::Cogging.id(), &|felt| format!("{:.3}", felt.cogging), Dimension::FORCE),
         row("damping", &|felt| format!("{:.2}", felt.damping), Dimension::DAMPING),
     ]
 }
