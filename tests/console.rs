@@ -243,6 +243,8 @@ fn a_stream_has_every_frame() {
         bench.run(100);
         bench.device.write(b"status\nhelp\n\xff\xff\xff\nset f_static NaN\n");
     }
+    // the last frames wait behind the last answers
+    bench.run(100);
     let samples = bench.samples();
     println!("{} samples, {} lines, {} corrupt", samples.len(), bench.lines.len(), bench.corrupt);
     assert!(samples.len() >= 10_000);
