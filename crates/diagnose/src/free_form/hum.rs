@@ -34,6 +34,8 @@ const OVER_HIGHEST: f64 = 9.0;
 const OVER_MEDIAN: f64 = 40.0;
 /// Largest share of what it gains that a curve over the motion may gain instead: what repeats with the motion is the motion's.
 const BY_MOTION: f64 = 0.4;
+/// Largest share of the motion at its frequency: a body that a hum shakes moves much less.
+const DRIVEN: f64 = 0.1;
 /// Most hums, and most harmonics of one.
 const MOST: usize = 3;
 const HARMONICS: usize = 5;
@@ -288,10 +290,30 @@ fn moved(rest: &Rest, library: &Library, extra: &[ExtraColumn], columns: &[Vec<f
         ranges.iter().map(of).sum()
     };
     let least = (1.0 - BY_MOTION) * beside(&[]);
-    library.of_motion().any(|candidate| {
-        let (first, second) = candidate.first_knots();
-        library.get(design, candidate, first, second).is_some_and(|(_, all)| beside(&all) < least)
-    }) || extra.iter().any(|column| column.curves(design).iter().any(|curve| beside(curve) < least))
+    driven(rest, &ranges, columns)
+        || library.of_motion().any(|candidate| {
+            let (first, second) = candidate.first_knots();
+            library.get(design, candidate, first, second).is_some_and(|(_, all)| beside(&all) < least)
+        })
+        || extra.iter().any(|column| column.curves(design).iter().any(|curve| beside(curve) < least))
+}
+
+/// Whether the body is moved at the frequency of the hum: then it is what the motion makes.
+fn driven(rest: &Rest, ranges: &[Range<usize>], columns: &[Vec<f64>]) -> bool {
+    let design = rest.design;
+    let one = design.rows(|t| t.pass(&vec![1.0; t.len()]));
+    let motion =
+        [design.rows(|t| t.pass(&t.x)), design.rows(|t| t.pass(&t.v)), design.rows(|t| t.pass(&t.sign))];
+    let share = |series: &[f64], rows: &Range<usize>| {
+        let mut basis = Basis::of(&[&one[rows.clone()]]);
+        let before = basis.project_out(&series[rows.clone()]);
+        columns.iter().for_each(|c| {
+            basis.push(&c[rows.clone()]);
+        });
+        let after = basis.project_out(&before);
+        1.0 - dot(&after, &after) / dot(&before, &before).max(1e-300)
+    };
+    ranges.iter().any(|rows| motion.iter().any(|series| share(series, rows) > DRIVEN))
 }
 
 /// Takes hums out of what `fresh` makes a design matrix of, the strongest first.
