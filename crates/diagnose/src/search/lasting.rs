@@ -6,7 +6,7 @@
 //! save squared error.
 //!
 //! A term that ends on a bound of its shape is a symptom of something else, and does not last either; nor does a line that
-//! neighbouring wavelengths would explain nearly as well.
+//! neighbouring wavelengths would explain nearly as well, nor a delay of a part of the force.
 
 use crate::findings::locate::{row_motion, row_times};
 use crate::library::design_matrix::DesignMatrix;
@@ -16,6 +16,7 @@ use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::joint::at_end;
 use crate::search::judgement::Search;
 use crate::search::refine::FINE;
+use crate::search::transport;
 use friction::effects::Scale;
 use signals::{Basis, dot, quantile};
 
@@ -193,7 +194,8 @@ pub fn left_out_errors<'r>(
 fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usize, Withdrawn)> {
     let bound = (0..found.atoms.len()).find_map(|i| {
         let kind = found.atoms[i].term.kind;
-        let regime = on_bound(search, found, i).or_else(|| no_line(search, found, i))?;
+        let symptom = || no_line(search, found, i).or_else(|| part_of_the_force(search, found, i));
+        let regime = on_bound(search, found, i).or_else(symptom)?;
         Some((i, Withdrawn { kind, regime, rms: (f64::NAN, f64::NAN) }))
     });
     if bound.is_some() {
@@ -308,6 +310,21 @@ fn no_line(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
     let own = own / atom.columns.len() as f64;
     let mean = neighbours.iter().sum::<f64>() / neighbours.len().max(1) as f64;
     (own < STANDS_OUT * mean).then(|| "neighbouring wavelengths explain nearly as much of the rest".into())
+}
+
+/// Share of the force by which what moves in time may fall short of all of it: the rest of the model is not exact.
+const SHORT: f64 = 0.15;
+
+/// Standard errors by which it has to.
+const SURELY: f64 = 2.0;
+
+/// Whether term `i` moves a part of the force in time, where a delay or a lag of a channel moves all of it: then a part of the
+/// physics reacts late.
+fn part_of_the_force(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
+    found.atoms[i].term.kind.moves_in_time().then_some(())?;
+    let (share, std) = transport::share(search, found, i)?;
+    (share < 1.0 - SHORT && share + SURELY * std < 1.0)
+        .then(|| format!("{:.0} % of the force moves in time, not all of it", 100.0 * share.max(0.0)))
 }
 
 /// Root mean square error of the first `baseline` columns and of `found` in the recording or the half of the time left out in

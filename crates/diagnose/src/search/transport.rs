@@ -90,12 +90,31 @@ impl Corrected {
         Some(Self { gram: gram.cholesky()?, columns, shaken, force })
     }
 
-    /// Squared error beyond noise of the best fit to `y`, of which `noise` is what the draw added.
+    /// What of `y` lies along each column beyond noise; `noise` is what the draw added to `y`.
+    fn moment(&self, y: &[f64], noise: &[f64]) -> DVector<f64> {
+        DVector::from_fn(self.columns.len(), |i, _| dot(&self.columns[i], y) - dot(&self.shaken[i], noise))
+    }
+
+    /// Coefficients of the best fit to `y`.
+    fn fitted(&self, y: &[f64], noise: &[f64]) -> DVector<f64> {
+        self.gram.solve(&self.moment(y, noise))
+    }
+
+    /// Squared error beyond noise of that fit.
     fn left(&self, y: &[f64], noise: &[f64]) -> f64 {
-        let p = self.columns.len();
-        let moment = DVector::from_fn(p, |i, _| dot(&self.columns[i], y) - dot(&self.shaken[i], noise));
+        let moment = self.moment(y, noise);
         dot(y, y) - dot(noise, noise) - moment.dot(&self.gram.solve(&moment))
     }
+}
+
+/// The share of the force that term `i` of `found` moves in time, with the noise of all columns taken out, and its
+/// standard error; 1 if it is what it says.
+pub fn share(search: &Search, found: &Hypothesis, i: usize) -> Option<(f64, f64)> {
+    let corrected = Corrected::new(search, &found.atoms)?;
+    let at = found.offset(search.design, i);
+    let share = corrected.fitted(&search.design.y, &corrected.force)[at];
+    let attenuated = found.coefficients(search.design, i)[0];
+    Some((share, found.fit.std_errors[at] * (share / attenuated).abs().max(1.0)))
 }
 
 /// Squared error that `child` saves beyond the noise it smooths: a load that follows slowly smooths the acceleration of
