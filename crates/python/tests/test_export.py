@@ -94,9 +94,8 @@ def test_urdf_has_what_it_can_hold(exported):
 def components(text):
     """Components of a Modelica model by name, with their parameters, and the pairs that are connected; as a parser reads them."""
     parser = pytest.importorskip("pymoca.parser")
-    classes = parser.parse(text).classes
-    (model,) = classes.values()
-    assert next(iter(classes)).startswith("joint_")
+    # beside the types of the language
+    (model,) = (model for name, model in parser.parse(text).classes.items() if name.startswith("joint_"))
 
     def number(value):
         # rows, numbers, and numbers with a sign
@@ -147,9 +146,9 @@ RICH = MODEL + """stribeck.force_p = 0.5
 stribeck.force_n = 0.5
 stribeck.v_s = 0.02
 stribeck.delta = 1.0
-cogging.sine_1 = 0.3
-cogging.wavelength = 0.004
-"""
+cogging.sine_1 = 0.15
+cogging.wavelength = 0.02
+"""  # a pattern steeper than the spring holds the body at places that an open-loop run may miss
 
 
 def test_modelica_follows_the_recording(command, tmp_path):
