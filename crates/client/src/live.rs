@@ -123,7 +123,8 @@ impl Live {
     }
 }
 
-fn write_json(out: &mut String, geometry: Geometry, began: f64, sample: &Sample) {
+/// A sample as a flat JSON object.
+pub(crate) fn write_json(out: &mut String, geometry: Geometry, began: f64, sample: &Sample) {
     // writing to a string cannot fail
     let _ = write!(out, "{{\"timestamp\":{:.6}", began + sample.time);
     for (name, (value, decimals)) in columns::names(geometry).iter().zip(columns::values(sample)) {

@@ -18,6 +18,11 @@ pub enum Error {
         "URDF needs the limits of a slide, and a model has none; accepted with a recording, which has a stroke"
     )]
     NoLimits,
+    /// BAM models servos, and the model is of a slide.
+    #[error(
+        "BAM holds the axis of a servo, and the model is of a slide; accepted is a model with geometry = \"rotary\""
+    )]
+    NotAnAxis,
     /// The recording cannot be predicted.
     #[error(transparent)]
     Recording(#[from] signals::Error),

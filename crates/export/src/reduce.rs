@@ -2,12 +2,11 @@
 
 use crate::error::Error;
 use crate::format::Format;
-use friction::effects::{Effect, EffectState};
-use friction::{Coulomb, Dimension, Law, Motion};
+use crate::part::{Falling, Part, Sum};
+use friction::effects::Effect;
+use friction::{Coulomb, Dimension, Law};
 use identify::{Model, Nuisances};
-use nalgebra::{DMatrix, DVector};
 use signals::{Geometry, Recording, rms};
-use std::f64::consts::TAU;
 
 /// A joint as simulators have it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,6 +21,14 @@ pub struct Joint {
     pub stiffness: f64,
     /// Where the spring is at rest, m or rad.
     pub spring_rest: f64,
+    /// Dry friction that a resting body must overcome, N or N·m; `friction` in a format that has one level.
+    pub break_away: f64,
+    /// Constant force against positive motion, N or N·m, beside that of the spring.
+    pub constant: f64,
+    /// Dry friction per applied force.
+    pub per_load: f64,
+    /// Dry friction that falls with the speed.
+    pub falling: Falling,
 }
 
 /// One thing that the format cannot hold.
@@ -40,6 +47,10 @@ pub struct Exported {
     pub text: String,
     /// What it holds.
     pub joint: Joint,
+    /// Effects that it holds as a table over the speed.
+    pub by_speed: Vec<Effect<f64>>,
+    /// Effects that it holds as a table over the position.
+    pub by_place: Vec<Effect<f64>>,
     /// What it does not hold.
     pub dropped: Vec<Dropped>,
     /// Error of the force on the recording, unfiltered root mean square: of the model, and of the joint.
@@ -125,31 +136,27 @@ pub(crate) fn reduce(
     let mut joint = Joint { mass: model.mass, ..Joint::default() };
 
     instruments(&mut reduction)?;
-    let holdable: Vec<Option<Held>> = model.effects.iter().map(|e| held_by(format, e)).collect();
-    let all = holdable.iter().flatten().fold(Held::default(), |sum, more| sum.plus(*more));
-    let mut held = Held::default();
-    for (effect, holdable) in model.effects.iter().zip(&holdable) {
-        // a constant is held by a spring that rests elsewhere
-        if let Some(more) = holdable.filter(|h| h.constant == 0.0 || all.stiffness > 0.0) {
-            held = held.plus(more);
-            continue;
-        }
-        let about = effect.kind.about();
-        let mut simpler = reduction.model.clone();
-        simpler.effects.retain(|e| e.kind != effect.kind);
-        reduction.simplify(format!("{} ({})", about.id, about.equation), simpler)?;
-    }
+    let held = effects(&mut reduction, format, recording.is_some())?;
     if !model.curves.is_empty() {
         let what = format!("{} of physics without a name", count(model.curves.len(), "curve"));
         let simpler = Model { curves: Vec::new(), ..reduction.model.clone() };
         reduction.simplify(what, simpler)?;
     }
-    let law = law(&mut reduction)?;
-    joint.friction = law.level_p + held.friction;
-    joint.damping = law.viscous_p + held.damping;
-    joint.stiffness = held.stiffness;
-    // k·(x − rest) = k·x + constant; 0 − 0 has no sign
-    joint.spring_rest = if held.stiffness > 0.0 { 0.0 - held.constant / held.stiffness } else { 0.0 };
+    let law = law(&mut reduction, format)?;
+    // half the difference of the directions is a constant
+    let constant = held.sum.constant + 0.5 * (law.level_p - law.level_n);
+    joint.friction = 0.5 * (law.level_p + law.level_n) + held.sum.friction;
+    joint.break_away = 0.5 * (law.static_p + law.static_n) + held.sum.friction;
+    joint.damping = law.viscous_p + held.sum.damping;
+    joint.stiffness = held.sum.stiffness;
+    joint.per_load = held.sum.per_load;
+    joint.falling = held.falling;
+    if format.has_constant() {
+        joint.constant = constant;
+    } else if held.sum.stiffness > 0.0 {
+        // k·(x − rest) = k·x + constant; 0 − 0 has no sign
+        joint.spring_rest = 0.0 - constant / held.sum.stiffness;
+    }
     if joint.damping < 0.0 {
         return Err(Error::Parameter {
             parameter: "damping",
@@ -160,10 +167,73 @@ pub(crate) fn reduce(
     Ok(Exported {
         text: String::new(),
         joint,
+        by_speed: held.by_speed,
+        by_place: held.by_place,
         error: of_model.zip(reduction.error()),
         dropped: reduction.dropped,
         geometry: model.geometry,
     })
+}
+
+/// What the joint holds of the effects.
+#[derive(Default)]
+struct Held {
+    sum: Sum,
+    falling: Falling,
+    by_speed: Vec<Effect<f64>>,
+    by_place: Vec<Effect<f64>>,
+}
+
+/// What the format holds of the effects, as a sum, over the speed, and over the position; drops the others.
+fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> Result<Held, Error> {
+    let parts = |reduction: &Reduction<'_>| -> Vec<(Effect<f64>, Option<Part>)> {
+        reduction.model.effects.iter().map(|e| (*e, Part::of(format, e))).collect()
+    };
+    // what is not the same in both directions is held as its mean
+    for (effect, part) in parts(reduction) {
+        let even = even(&effect);
+        if part.is_none() && even != effect && Part::of(format, &even).is_some() {
+            let what =
+                format!("direction of {}: held is the mean of both directions", effect.kind.about().id);
+            let mut simpler = reduction.model.clone();
+            simpler.set_effect(even);
+            reduction.simplify(what, simpler)?;
+        }
+    }
+    let parts = parts(reduction);
+    let stiffness = parts.iter().filter_map(|(_, part)| part.as_ref()?.sum()).map(|sum| sum.stiffness).sum();
+    let has_constant = format.has_constant() || 0.0 < stiffness;
+    let mut held = Held::default();
+    for (effect, part) in parts {
+        let about = effect.kind.about();
+        match part {
+            Some(Part::Sum(sum)) if sum.constant == 0.0 || has_constant => held.sum = held.sum.plus(sum),
+            Some(Part::Falling(falling)) if held.falling.force == 0.0 => held.falling = falling,
+            Some(Part::Speed) => held.by_speed.push(effect),
+            Some(Part::Place) if has_stroke => held.by_place.push(effect),
+            other => {
+                let wanted = if other == Some(Part::Place) {
+                    "; held with --recording, whose stroke its table covers"
+                } else {
+                    ""
+                };
+                let mut simpler = reduction.model.clone();
+                simpler.effects.retain(|e| e.kind != effect.kind);
+                reduction.simplify(format!("{} ({}){wanted}", about.id, about.equation), simpler)?;
+            }
+        }
+    }
+    Ok(held)
+}
+
+/// The effect with the mean of those gains that belong to one direction each.
+fn even(effect: &Effect<f64>) -> Effect<f64> {
+    let mut even = *effect;
+    for together in effect.kind.about().groups.first().copied().unwrap_or_default() {
+        let mean = together.iter().map(|i| effect.gains[*i]).sum::<f64>() / together.len() as f64;
+        together.iter().for_each(|i| even.gains[*i] = mean);
+    }
+    even
 }
 
 fn count(n: usize, what: &str) -> String {
@@ -189,8 +259,8 @@ fn instruments(reduction: &mut Reduction<'_>) -> Result<(), Error> {
     reduction.simplify(format!("sensors and drive: {}", names.join(", ")), simpler)
 }
 
-/// The law of a joint: one level, one damping, nothing more at rest.
-fn law(reduction: &mut Reduction<'_>) -> Result<Coulomb<f64>, Error> {
+/// The law of a joint: one level, one damping, and nothing more at rest, or what the format holds of that.
+fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<Coulomb<f64>, Error> {
     let unit = Dimension::FORCE.unit(reduction.model.geometry);
     let (full, presliding) = match reduction.model.law {
         Law::Coulomb(c) => (c, None),
@@ -235,7 +305,11 @@ fn law(reduction: &mut Reduction<'_>) -> Result<Coulomb<f64>, Error> {
         let simpler = with(reduction, full);
         reduction.simplify(what, simpler)?;
     }
-    let flat = Coulomb { static_p: full.level_p, static_n: full.level_n, ..full };
+    let flat = if format.has_break_away() {
+        full
+    } else {
+        Coulomb { static_p: full.level_p, static_n: full.level_n, ..full }
+    };
     if flat != full {
         let what = format!(
             "static friction {:.4} and {:.4} {unit}: held is sliding friction",
@@ -244,122 +318,36 @@ fn law(reduction: &mut Reduction<'_>) -> Result<Coulomb<f64>, Error> {
         let simpler = with(reduction, flat);
         reduction.simplify(what, simpler)?;
     }
-    let (level, damping) = (0.5 * (flat.level_p + flat.level_n), 0.5 * (flat.viscous_p + flat.viscous_n));
+    let mean = |p: f64, n: f64| 0.5 * (p + n);
+    let (level, damping) = (mean(flat.level_p, flat.level_n), mean(flat.viscous_p, flat.viscous_n));
+    let constant = if format.has_constant() { 0.5 * (flat.level_p - flat.level_n) } else { 0.0 };
+    // break-away is at least the friction of its direction
+    let rise = (mean(flat.static_p, flat.static_n) - level).max(0.0);
     let even = Coulomb {
-        level_p: level,
-        level_n: level,
-        static_p: level,
-        static_n: level,
+        level_p: level + constant,
+        level_n: level - constant,
+        static_p: level + constant + rise,
+        static_n: level - constant + rise,
         viscous_p: damping,
         viscous_n: damping,
     };
-    if even != flat {
+    let differs = [even.level_p - flat.level_p, even.level_n - flat.level_n]
+        .into_iter()
+        .chain([even.static_p - flat.static_p, even.static_n - flat.static_n])
+        .any(|d| d.abs() > 1e-12 * level);
+    if differs || even.viscous_p != flat.viscous_p || even.viscous_n != flat.viscous_n {
         let d = Dimension::DAMPING.unit(reduction.model.geometry);
-        let what = format!(
-            "direction: friction {:.4} and {:.4} {unit}, damping {:.4} and {:.4} {d}; held are the means {level:.4} and \
-             {damping:.4}",
-            flat.level_p, flat.level_n, flat.viscous_p, flat.viscous_n
-        );
+        let friction = format!("friction {:.4} and {:.4} {unit}", flat.level_p, flat.level_n);
+        let dampings = format!("damping {:.4} and {:.4} {d}", flat.viscous_p, flat.viscous_n);
+        let what = match (format.has_constant(), format.has_break_away()) {
+            (true, _) => format!(
+                "direction: break-away {:.4} and {:.4} {unit}, {dampings}; held are {:.4} and {:.4} {unit}, {damping:.4} {d}",
+                flat.static_p, flat.static_n, even.static_p, even.static_n
+            ),
+            _ => format!("direction: {friction}, {dampings}; held are the means {level:.4} and {damping:.4}"),
+        };
         let simpler = with(reduction, even);
         reduction.simplify(what, simpler)?;
     }
     Ok(even)
-}
-
-/// What a format can hold of an effect: F = friction·sgn v + damping·v + stiffness·x + constant.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Held {
-    friction: f64,
-    damping: f64,
-    stiffness: f64,
-    constant: f64,
-}
-
-impl Held {
-    fn plus(self, more: Self) -> Self {
-        Self {
-            friction: self.friction + more.friction,
-            damping: self.damping + more.damping,
-            stiffness: self.stiffness + more.stiffness,
-            constant: self.constant + more.constant,
-        }
-    }
-}
-
-/// Samples of the motion that shows what an effect is made of.
-const PROBE: usize = 600;
-/// Sizes of that motion: an effect that begins at a place or a speed is not the same at all of them.
-const SIZES: [f64; 3] = [1e-2, 1.0, 1e3];
-/// Share of the force, or of a term, that is rounding.
-const ROUNDING: f64 = 1e-9;
-
-/// The effect in the terms of a format, if it is nothing else, whatever the size of the motion.
-fn held_by(format: Format, effect: &Effect<f64>) -> Option<Held> {
-    let all: Option<Vec<Held>> = SIZES.iter().map(|size| held_at(format, effect, *size)).collect();
-    let all = all?;
-    let first = *all.first()?;
-    let like = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
-    let same = |h: &Held| {
-        like(h.friction, first.friction)
-            && like(h.damping, first.damping)
-            && like(h.stiffness, first.stiffness)
-            && like(h.constant, first.constant)
-    };
-    let least = first.friction.min(first.damping).min(first.stiffness);
-    (all.iter().all(same) && least >= 0.0).then_some(first)
-}
-
-/// As [`held_by`] in a motion of this size. The force is computed along a motion in which position, speed, direction, load and
-/// applied force vary independently, and compared with the best sum of the terms.
-fn held_at(format: Format, effect: &Effect<f64>, size: f64) -> Option<Held> {
-    let mut state = EffectState::default();
-    let (mut force, mut terms) = (Vec::with_capacity(PROBE), Vec::with_capacity(PROBE));
-    let dt = 1e-2;
-    let mut last = 0.0;
-    for i in 0..PROBE {
-        let t = dt * i as f64;
-        let (slow, quick) = (TAU * 0.31 * t, TAU * 1.7 * t);
-        let position = size * (0.05 * slow.sin() + 0.02 * quick.sin() + 0.004);
-        let velocity = size * TAU * (0.0155 * slow.cos() + 0.034 * quick.cos());
-        let motion = Motion {
-            dt,
-            position,
-            displacement: position - last,
-            velocity,
-            applied: 2.0 * (TAU * 0.77 * t).sin(),
-            mass: 0.0,
-            normal: Some(5.0 + (TAU * 0.53 * t).sin()),
-        };
-        last = position;
-        force.push(effect.step(&mut state, &motion));
-        // terms of one size, so that each shows
-        terms.push([velocity.signum(), velocity / size, position / size, 1.0]);
-    }
-    let used = match format {
-        Format::Mujoco => 4,
-        Format::Urdf => 2,
-    };
-    let x = DMatrix::from_fn(PROBE, used, |row, column| terms[row][column]);
-    let f = DVector::from_vec(force);
-    let whole = f.norm();
-    let gains = x.clone().svd(true, true).solve(&f, 1e-12).ok()?;
-    // an effect that is silent here acts elsewhere
-    if !(whole > 0.0 && (&x * &gains - &f).norm() < ROUNDING * whole) {
-        return None;
-    }
-    let held = |i: usize, unit: f64| {
-        let share = if i < used { gains[i] * x.column(i).norm() } else { 0.0 };
-        if share.abs() > ROUNDING * whole { rounded(gains[i] / unit) } else { 0.0 }
-    };
-    Some(Held {
-        friction: held(0, 1.0),
-        damping: held(1, size),
-        stiffness: held(2, size),
-        constant: held(3, 1.0),
-    })
-}
-
-/// Without the rounding of the fit: ten significant digits.
-fn rounded(x: f64) -> f64 {
-    format!("{x:.9e}").parse().unwrap_or(x)
 }

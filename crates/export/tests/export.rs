@@ -30,7 +30,7 @@ fn recording() -> Recording {
 
 #[test]
 fn a_plain_joint_is_held_whole() {
-    for format in [Format::Mujoco, Format::Urdf] {
+    for format in [Format::Mujoco, Format::Urdf, Format::Modelica] {
         let found = of(PLAIN, format, Some(&recording()));
         let j = found.joint;
         assert_eq!((j.mass, j.friction, j.damping, j.stiffness), (0.4, 1.5, 2.0, 0.0));
@@ -92,6 +92,7 @@ fn what_no_simulator_takes_is_refused() {
         export(&model, format, None).expect_err("refused").to_string()
     };
     assert!(refused(PLAIN, Format::Urdf).contains("accepted with a recording"));
+    assert!(refused(PLAIN, Format::Bam).contains("accepted is a model with geometry"));
     let massless = PLAIN.replace("0.4", "0.0");
     assert!(refused(&massless, Format::Mujoco).starts_with("mass = 0:"));
     let falling = PLAIN.replace("damping = 2.0", "damping = -2.0");
@@ -100,6 +101,139 @@ fn what_no_simulator_takes_is_refused() {
     other.geometry = signals::Geometry::Rotary;
     let model = Model::from_toml("model.toml", PLAIN).expect("a model");
     assert!(export(&model, Format::Mujoco, Some(&other)).is_err());
+}
+
+/// Rows of the table in a parameter of a Modelica text.
+fn table(text: &str, parameter: &str) -> Vec<[f64; 2]> {
+    let (_, after) = text.split_once(&format!("{parameter} = [")).expect("the table");
+    let (rows, _) = after.split_once(']').expect("its end");
+    rows.split(';')
+        .map(|row| {
+            let mut cells = row.split(',').map(|cell| cell.trim().parse().expect("a number"));
+            [cells.next().expect("x"), cells.next().expect("F")]
+        })
+        .collect()
+}
+
+/// As the components interpolate: along lines.
+fn between(table: &[[f64; 2]], x: f64) -> f64 {
+    let after = table.partition_point(|row| row[0] < x).clamp(1, table.len() - 1);
+    let ([x0, f0], [x1, f1]) = (table[after - 1], table[after]);
+    f0 + (f1 - f0) * (x - x0) / (x1 - x0)
+}
+
+#[test]
+fn modelica_holds_directions_break_away_and_tables() {
+    let text = "law = \"coulomb\"\nmass = 0.4\nf_dynamic_p = 1.7\nf_dynamic_n = 1.3\nf_static_p = 2.0\nf_static_n = 1.6\n\
+                damping = 2.0\nstribeck.force_p = 0.5\nstribeck.force_n = 0.5\nstribeck.v_s = 0.02\nstribeck.delta = 1.0\n\
+                offset.force = -0.12\n\
+                cogging.sine_1 = 0.3\ncogging.cosine_1 = -0.1\ncogging.wavelength = 0.004\n";
+    let (recording, tolerance) = (recording(), 2e-3);
+    let found = of(text, Format::Modelica, Some(&recording));
+    assert!(found.dropped.is_empty(), "{:?}", found.dropped);
+    let friction = table(&found.text, "f_pos");
+    for v in [0.0, 1e-4, 3e-3, 0.017, 0.1, 0.23] {
+        let expected = 1.5 + 2.0 * v + 0.5 * f64::exp(-v / 0.02);
+        let got = between(&friction, v);
+        assert!((got - expected).abs() < tolerance, "{v}: {got} and {expected}");
+    }
+    // at rest the table begins with 1.5 + 0.5
+    assert!(found.text.contains("peak = 1.15"), "{}", found.text);
+    let constant = found.text.split_once("f_constant = ").expect("a constant force").1;
+    let constant: f64 = constant.split_once(')').expect("its end").0.parse().expect("a number");
+    // 0.2 N against positive motion, and 0.12 N with it
+    assert!((constant + 0.2 - 0.12).abs() < 1e-9, "{constant}");
+    let place = table(&found.text, "place_table(table");
+    for x in [-0.015, -0.0031, 0.0, 0.0077, 0.014] {
+        let angle = std::f64::consts::TAU * x / 0.004;
+        let expected = -(0.3 * angle.sin() - 0.1 * angle.cos());
+        assert!((between(&place, x) - expected).abs() < tolerance, "{x}");
+    }
+    // an axis is made of the components of an axis
+    let axis = of(&format!("[preset]\n{text}[model]\ngeometry = \"rotary\"\n"), Format::Modelica, None);
+    assert!(axis.text.contains("BearingFriction friction(tau_pos = ["), "{}", axis.text);
+    assert_eq!(axis.dropped.len(), 1, "{:?}", axis.dropped);
+    assert!(axis.dropped[0].what.contains("held with --recording"), "{:?}", axis.dropped);
+}
+
+#[test]
+fn modelica_holds_the_mean_of_two_directions_that_are_curves() {
+    let text = format!(
+        "{PLAIN}stribeck.force_p = 0.6\nstribeck.force_n = 0.4\nstribeck.v_s = 0.02\nstribeck.delta = 1.0\n"
+    );
+    let found = of(&text, Format::Modelica, Some(&recording()));
+    assert_eq!(found.dropped.len(), 1, "{:?}", found.dropped);
+    assert!(found.dropped[0].what.starts_with("direction of stribeck"), "{:?}", found.dropped);
+    // ±0.1·exp(−|v|/v_s) in force, where the recording is slow
+    let rms = found.dropped[0].rms.expect("a recording");
+    assert!(rms > 0.005 && rms < 0.05, "{rms}");
+    assert!((between(&table(&found.text, "f_pos"), 0.0) - 2.0).abs() < 1e-9);
+}
+
+#[test]
+fn bam_has_the_smallest_of_its_models_that_holds_the_joint() {
+    let axis = |effects: &str| {
+        let text = format!("[preset]\n{PLAIN}{effects}[model]\ngeometry = \"rotary\"\n");
+        let found = of(&text, Format::Bam, None);
+        let json: serde_json::Value = serde_json::from_str(&found.text).expect("JSON");
+        (json, found)
+    };
+    let stribeck =
+        "stribeck.force_p = 0.5\nstribeck.force_n = 0.5\nstribeck.v_s = 0.25\nstribeck.delta = 1.4\n";
+    let load = "load_dependent_friction.share = 0.07\n";
+    for (effects, model) in [
+        (String::new(), "m1"),
+        (stribeck.to_owned(), "m2"),
+        (load.to_owned(), "m3"),
+        (format!("{stribeck}{load}"), "m4"),
+    ] {
+        let (json, found) = axis(&effects);
+        println!("{json}");
+        assert!(found.dropped.is_empty(), "{:?}", found.dropped);
+        assert_eq!(json["model"], model);
+        assert_eq!((json["armature"].as_f64(), json["friction_base"].as_f64()), (Some(0.4), Some(1.5)));
+        assert_eq!(json["friction_viscous"].as_f64(), Some(2.0));
+        let number = |key: &str| json[key].as_f64();
+        if effects.contains("stribeck") {
+            assert_eq!(number("friction_stribeck"), Some(0.5));
+            assert!((number("dtheta_stribeck").expect("v_s") - 0.25).abs() < 1e-8);
+            assert!((number("alpha").expect("delta") - 1.4).abs() < 1e-8);
+        }
+        if effects.contains("load") {
+            assert_eq!(number("load_friction_base"), Some(0.07));
+        }
+    }
+    let (json, found) = axis("spring.stiffness = 3.0\n");
+    assert!(found.dropped[0].what.starts_with("spring"));
+    assert!(json["not_held"][0].as_str().expect("text").starts_with("spring"));
+}
+
+#[test]
+fn every_effect_is_held_or_named_in_modelica_and_bam() {
+    for kind in friction::effects::EffectKind::ALL {
+        let mut effect = friction::effects::Effect::silent(*kind);
+        for gain in kind.gains() {
+            *effect.get_mut(gain.name).expect("its gain") = 0.5_f64.clamp(gain.min, gain.max);
+        }
+        for (i, shape) in kind.shape().iter().enumerate() {
+            *effect.get_mut(shape.name).expect("its shape") += 0.02 / (i + 1) as f64;
+        }
+        let mut model =
+            Model::from_toml("model.toml", &format!("[preset]\n{PLAIN}[model]\ngeometry = \"rotary\"\n"))
+                .expect("a model");
+        model.set_effect(effect);
+        let mut recording = recording();
+        recording.geometry = signals::Geometry::Rotary;
+        for format in [Format::Modelica, Format::Bam] {
+            let found = export(&model, format, Some(&recording)).expect("exported");
+            let j = found.joint;
+            let plain = (j.friction, j.damping, j.stiffness, j.constant) == (1.5, 2.0, 0.0, 0.0);
+            let tables = !found.by_speed.is_empty() || !found.by_place.is_empty();
+            let held = !plain || tables || j.falling.force > 0.0 || j.per_load > 0.0;
+            println!("{format:?} {}: {}", kind.id(), if held { "held" } else { "named" });
+            assert_ne!(held, found.dropped.iter().any(|d| d.what.starts_with(kind.id())), "{}", kind.id());
+        }
+    }
 }
 
 #[test]

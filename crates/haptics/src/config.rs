@@ -1,7 +1,7 @@
 //! Configuration of the loop: validated settings and device, with precomputed quotients.
 
+use crate::compensation::gains::Gains;
 use crate::excitation::Timing;
-use crate::fed::Fed;
 use crate::settings::MAX_EFFECTS;
 use crate::{Biquad, Device, RendererKind, Settings};
 use crate::{homing, silence};
@@ -26,7 +26,7 @@ pub struct Config {
     pub(crate) kinds: [Option<EffectKind>; MAX_EFFECTS],
     pub(crate) has_effects: bool,
     pub(crate) passivity: bool,
-    pub(crate) fed: Fed,
+    pub(crate) feed_forward: Gains,
     /// Largest damping of the passivity controller, N·s/m.
     pub(crate) passivity_damping: f32,
     /// 1/2K, m/N.
@@ -74,7 +74,7 @@ impl Config {
             kinds: settings.effects.map(|effect| effect.map(|effect| effect.kind)),
             has_effects: settings.effects.iter().any(Option::is_some),
             passivity: settings.passivity,
-            fed: Fed::new(device),
+            feed_forward: Gains::new(device),
             passivity_damping: PASSIVITY_DAMPING * device.mass / device.period,
             half_compliance: 0.5 / settings.k_vc,
             dv: settings.dv,

@@ -14,7 +14,6 @@ extern crate std;
 
 pub mod bounds;
 pub mod compensation;
-mod compensation_settings;
 mod config;
 mod control;
 mod device;
@@ -23,8 +22,6 @@ pub mod drive;
 pub mod estimator;
 pub mod excitation;
 mod fault;
-mod fed;
-mod feed_forward;
 mod filter;
 pub mod generator;
 mod homing;

@@ -3,9 +3,9 @@
 //! Order: measure, handle the request, run the mode, check, clamp. A check judges the force of its own step, so a rejected
 //! force never leaves it.
 
+use crate::compensation::feed_forward::FeedForward;
 use crate::drive::Drive;
 use crate::estimator::Estimator;
-use crate::feed_forward::FeedForward;
 use crate::homing::{Homed, Homing, Progress};
 use crate::machine::{Fault, Mode, Request};
 use crate::passivity::Passivity;
@@ -46,7 +46,7 @@ pub struct State {
     reconfigured: bool,
     recorder: Recorder,
     passivity: Passivity,
-    fed: FeedForward,
+    feed_forward: FeedForward,
 }
 
 impl State {
@@ -71,7 +71,7 @@ impl State {
             reconfigured: false,
             recorder: Recorder::default(),
             passivity: Passivity::default(),
-            fed: FeedForward::default(),
+            feed_forward: FeedForward::default(),
         }
     }
 
@@ -314,7 +314,7 @@ impl State {
                 if !matches!(self.mode, Mode::Rendering { .. }) {
                     let contact = Contact::new(config, &handle.after(device.period));
                     (self.blend, self.swapped, self.fresh) = (0.0, false, true);
-                    (self.passivity, self.fed) = (Passivity::default(), FeedForward::default());
+                    (self.passivity, self.feed_forward) = (Passivity::default(), FeedForward::default());
                     self.mode = Mode::Rendering { since_ticks: inputs.sample_ticks, contact };
                 }
                 Ok(())
@@ -470,12 +470,12 @@ fn run_mode(
         }
         Mode::Rendering { contact, .. } => {
             let rendered = contact.step(config, handle);
-            let held = state.force - state.fed.force;
+            let held = state.force - state.feed_forward.force;
             // its effects have a phase that only a referenced device knows
-            let fed = if config.fed.is_on && state.referenced {
-                state.fed.step(config, handle, inputs.load_code, rendered.force)
+            let fed = if config.feed_forward.is_on && state.referenced {
+                state.feed_forward.step(config, handle, inputs.load_code, rendered.force)
             } else {
-                state.fed.force = 0.0;
+                state.feed_forward.force = 0.0;
                 0.0
             };
             if core::mem::take(&mut state.swapped) {

@@ -17,7 +17,7 @@ use crate::orders::{About, Orders};
 use crate::say::{Say, Tone};
 use crate::tools::Tools;
 use axum::extract::ws::Message;
-use client::{Event, Header, Live, Sample, Session};
+use client::{Event, Header, Sample, Session, Streams};
 use recording_in_progress::Recording;
 use running::Running;
 use std::collections::BTreeSet;
@@ -108,7 +108,7 @@ pub(crate) struct Bench {
     experiment: Option<Running>,
     /// Silence limit of the device before this lab changed it, s.
     watch: Option<String>,
-    live: Option<Live>,
+    live: Streams,
 }
 
 impl Bench {
@@ -118,7 +118,7 @@ impl Bench {
         shared: Shared,
         (requests, own): (Receiver<ToBench>, Sender<ToBench>),
         began: Instant,
-        live: Option<Live>,
+        live: Streams,
     ) -> Self {
         let now = Instant::now();
         Self {
@@ -366,9 +366,7 @@ impl Bench {
             known.force_max = f64::from(known.device.force_max);
             known.unreferenced_force = f64::from(known.device.unreferenced_force());
         });
-        if let Some(live) = &mut self.live {
-            live.header(&header);
-        }
+        self.live.header(&header);
         self.header = Some(header);
         self.dirty = true;
         self.tell(true);
@@ -381,9 +379,7 @@ impl Bench {
             self.dirty = true;
         }
         self.last = Some(*sample);
-        if let Some(live) = &mut self.live {
-            live.sample(sample);
-        }
+        self.live.sample(sample);
         self.batch.push(sample);
         if self.batch.len() >= FULL {
             self.flush_now();

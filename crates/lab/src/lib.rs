@@ -52,7 +52,7 @@ pub struct Options {
     /// Where recordings, sessions and reports go.
     pub folder: PathBuf,
     /// Where each sample goes besides.
-    pub live: Option<client::Live>,
+    pub live: client::Streams,
 }
 
 /// A lab that runs; dropping it ends it.

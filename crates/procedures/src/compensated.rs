@@ -272,18 +272,23 @@ pub fn learn(session: &mut Session, device: &Device, out: &Path, watch: &dyn Wat
     let mut recordings = Vec::new();
     for (name, motion) in [("swing", SWINGS), ("sweep", SWEEPS)] {
         let motion = Move { amplitude: f64::from(device.length(motion.amplitude as f32)), ..motion };
-        let path = out.join(format!("{name}.csv"));
         let plan = Plan { motion: Some(motion), seconds: motion.seconds.unwrap_or(20.0), notes: Vec::new() };
-        if record(session, &plan, &path, watch)?.interrupted {
-            return Err(Error::Cancelled);
-        }
+        let recording = recorded(session, &plan, &out.join(format!("{name}.csv")), watch)?;
         // the ramp-out of a move keeps the device busy
         for _ in 0..250 {
             session.poll()?;
         }
-        recordings.push(driven_by_command(Recording::read(&path, &ReadOptions::default())?)?);
+        recordings.push(driven_by_command(recording)?);
     }
     Ok(OwnFriction::of(&recordings, Period::Searched, device)?.model(device.geometry))
+}
+
+/// A recording, written to the file and read back.
+fn recorded(session: &mut Session, plan: &Plan, file: &Path, watch: &dyn Watch) -> Result<Recording> {
+    if record(session, plan, file, watch)?.interrupted {
+        return Err(Error::Cancelled);
+    }
+    Ok(Recording::read(file, &ReadOptions::default())?)
 }
 
 /// The recording of a free handle: what moves it is the command.
@@ -407,14 +412,13 @@ fn measure_with(
     }
     let device = device_of(session)?;
     by_hand(session, Hand::Moves)?;
-    let felt = |session: &mut Session, name: &str, told: &str| -> Result<Felt> {
+    let rendered = |session: &mut Session, name: &str, seconds: f64, told: &str| {
         session.command("render on")?;
-        let path = out.join(name);
         let plan = Plan { motion: None, seconds, notes: vec![("compensation".into(), told.to_owned())] };
-        if record(session, &plan, &path, watch)?.interrupted {
-            return Err(Error::Cancelled);
-        }
-        Felt::of(Recording::read(&path, &ReadOptions::default())?, feed.period(), &device)
+        recorded(session, &plan, &out.join(name), watch)
+    };
+    let felt = |session: &mut Session, name: &str, told: &str| -> Result<Felt> {
+        Felt::of(rendered(session, name, seconds, told)?, feed.period(), &device)
     };
     let before = felt(session, "before.csv", "off")?;
     for command in feed.commands() {
@@ -423,14 +427,7 @@ fn measure_with(
     let words = feed.settings.on(feed.geometry).to_string();
     let after = felt(session, "after.csv", &words)?;
     by_hand(session, Hand::Off)?;
-    session.command("render on")?;
-    let rest = out.join("rest.csv");
-    let plan = Plan { motion: None, seconds: REST_S, notes: vec![("compensation".into(), words)] };
-    let recorded = record(session, &plan, &rest, watch)?;
-    if recorded.interrupted {
-        return Err(Error::Cancelled);
-    }
-    let rest = Recording::read(&rest, &ReadOptions::default())?;
+    let rest = rendered(session, "rest.csv", REST_S, &words)?;
     // the last two seconds: a released handle coasts
     let from = rest.time.partition_point(|t| *t < REST_S - 2.0);
     let (low, high) = rest.position[from..]

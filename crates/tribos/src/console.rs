@@ -1,7 +1,7 @@
 //! The console of `connect`: live plot, answers, and command line; plain lines without a terminal.
 
 use crate::failure::{Failure, Result};
-use client::{Event, Live, Sample, Session};
+use client::{Event, Sample, Session, Streams};
 use ratatui::crossterm::event::{self, Event as Key, KeyCode, KeyEventKind, KeyModifiers};
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
@@ -186,11 +186,11 @@ fn paint(line: &str) -> Line<'_> {
     Line::from(Span::styled(line, Style::new().fg(colour)))
 }
 
-/// Passes an event on to the live stream, if there is one.
-fn pass(event: &Event, live: &mut Option<Live>) {
-    match (event, live) {
-        (Event::Header(header), Some(live)) => live.header(header),
-        (Event::Sample(sample), Some(live)) => live.sample(sample),
+/// Passes an event on to the live streams.
+fn pass(event: &Event, live: &mut Streams) {
+    match event {
+        Event::Header(header) => live.header(header),
+        Event::Sample(sample) => live.sample(sample),
         _ => {}
     }
 }
@@ -199,7 +199,7 @@ fn pass(event: &Event, live: &mut Option<Live>) {
 ///
 /// # Errors
 /// The line or the terminal failed. The terminal is restored first.
-pub(crate) fn screen(session: &mut Session, name: &str, live: &mut Option<Live>) -> Result<()> {
+pub(crate) fn screen(session: &mut Session, name: &str, live: &mut Streams) -> Result<()> {
     let mut terminal =
         ratatui::try_init().map_err(|e| Failure::new(format!("the terminal cannot be used: {e}")))?;
     let ended = run(&mut terminal, session, name, live);
@@ -207,18 +207,13 @@ pub(crate) fn screen(session: &mut Session, name: &str, live: &mut Option<Live>)
     ended
 }
 
-fn run(
-    terminal: &mut DefaultTerminal,
-    session: &mut Session,
-    name: &str,
-    live: &mut Option<Live>,
-) -> Result<()> {
+fn run(terminal: &mut DefaultTerminal, session: &mut Session, name: &str, live: &mut Streams) -> Result<()> {
     let lost = |e: std::io::Error| Failure::new(format!("the terminal is gone: {e}"));
     let mut screen = Screen::default();
     session.in_real_time();
     screen.say(format!("connected to {name}"));
     session.send_line("version")?;
-    session.send_line(if live.is_some() { "stream on" } else { "stream on 10" })?;
+    session.send_line(if live.is_any() { "stream on" } else { "stream on 10" })?;
     let mut drawn = Instant::now() - Duration::from_secs(1);
     loop {
         for event in session.poll()? {
@@ -266,15 +261,15 @@ fn typed_lines() -> Receiver<std::io::Result<String>> {
 ///
 /// # Errors
 /// The line failed, or a line of input is not text.
-pub(crate) fn lines(session: &mut Session, live: &mut Option<Live>) -> Result<()> {
+pub(crate) fn lines(session: &mut Session, live: &mut Streams) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    if live.is_some() {
+    if live.is_any() {
         session.in_real_time();
         session.command("stream on")?;
     }
     let typed = typed_lines();
     loop {
-        let line = if live.is_some() {
+        let line = if live.is_any() {
             for event in session.poll()? {
                 pass(&event, live);
             }
@@ -300,7 +295,7 @@ pub(crate) fn lines(session: &mut Session, live: &mut Option<Live>) -> Result<()
             }
         }
     }
-    if live.is_some() {
+    if live.is_any() {
         session.command("stream off")?;
         for event in session.poll()? {
             pass(&event, live);

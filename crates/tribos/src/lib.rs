@@ -21,6 +21,7 @@ mod console;
 mod failure;
 mod files;
 mod lab_tools;
+mod live;
 mod options;
 mod progress;
 mod reading;

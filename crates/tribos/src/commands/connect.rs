@@ -2,7 +2,8 @@
 
 use crate::console;
 use crate::failure::{Outcome, Result};
-use client::{Live, Session};
+use crate::live;
+use client::Session;
 use std::io::IsTerminal;
 
 /// Options of `connect`.
@@ -14,13 +15,12 @@ pub struct Args {
     /// Seed of the virtual device
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Also send each sample of the stream by UDP, as JSON for PlotJuggler, e.g. 127.0.0.1:9870
-    #[arg(long, value_name = "HOST:PORT")]
-    live: Option<String>,
+    #[command(flatten)]
+    live: live::Options,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Outcome> {
-    let mut live = args.live.as_deref().map(Live::to).transpose()?;
+    let mut live = args.live.open()?;
     let mut session = Session::open(&args.port, args.seed)?;
     let ended = if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
         if args.port == "sim" {
@@ -32,8 +32,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     } else {
         console::lines(&mut session, &mut live)
     };
-    if let Some(live) = live {
-        eprintln!("{}", live.tally());
+    for tally in live.tallies() {
+        eprintln!("{tally}");
     }
     ended.map(|()| Outcome::Done)
 }

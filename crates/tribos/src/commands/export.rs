@@ -1,4 +1,4 @@
-//! `tribos export mujoco|urdf --model model.toml`
+//! `tribos export mujoco|urdf|modelica|bam --model model.toml`
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::options::Mapping;
@@ -14,6 +14,11 @@ enum Format {
     Mujoco,
     /// URDF: damping, friction, limits as recorded
     Urdf,
+    /// Modelica, of components of its standard library 4: break-away, tables over the speed and over the recorded stroke, a spring,
+    /// a constant force
+    Modelica,
+    /// JSON of BAM: friction of an axis that falls with the speed and grows with the torque (M1 to M4)
+    Bam,
 }
 
 impl From<Format> for export::Format {
@@ -21,6 +26,8 @@ impl From<Format> for export::Format {
         match format {
             Format::Mujoco => Self::Mujoco,
             Format::Urdf => Self::Urdf,
+            Format::Modelica => Self::Modelica,
+            Format::Bam => Self::Bam,
         }
     }
 }
@@ -53,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     let exported = export::export(&model, args.format.into(), recording.as_ref()).map_err(|e| match e {
         export::Error::Recording(e) => Failure::new(e),
         export::Error::NoLimits => Failure::in_file(&args.model, e).help("--recording gives them"),
-        e @ export::Error::Parameter { .. } => Failure::in_file(&args.model, e),
+        e @ (export::Error::Parameter { .. } | export::Error::NotAnAxis) => Failure::in_file(&args.model, e),
     })?;
     files::write(&args.out, exported.text.as_bytes())?;
     // standard output belongs to the file

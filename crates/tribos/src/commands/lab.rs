@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome, Result};
 use crate::lab_tools::HostTools;
-use client::Live;
+use crate::live;
 use lab::{Lab, Options};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
@@ -27,9 +27,8 @@ pub struct Args {
     /// Folder for recordings, experiments and reports
     #[arg(long, value_name = "DIR", default_value = "tribos-lab")]
     out: PathBuf,
-    /// Also send each sample by UDP, as JSON for PlotJuggler, e.g. 127.0.0.1:9870
-    #[arg(long, value_name = "HOST:PORT")]
-    live: Option<String>,
+    #[command(flatten)]
+    live: live::Options,
     /// Open the page in the browser
     #[arg(long)]
     open: bool,
@@ -52,8 +51,8 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         return Err(Failure::in_file(&args.out, "is no folder; --out takes one"));
     }
     let beyond = !args.bind.is_loopback();
-    let live = args.live.as_deref().map(Live::to).transpose()?;
-    let tally = live.as_ref().map(Live::tally);
+    let live = args.live.open()?;
+    let tallies = live.tallies();
     let options = Options {
         address: SocketAddr::new(args.bind, args.http_port),
         token: args.token.clone().or_else(|| beyond.then(lab::new_token)),
@@ -81,7 +80,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     });
     let _ = end.recv();
     lab.stop();
-    if let Some(tally) = tally {
+    for tally in tallies {
         println!("  {tally}");
     }
     println!("the lab is closed, force off");

@@ -31,15 +31,15 @@ impl FeedForward {
     // a function of its own: without it the step has the cycles it had before
     #[inline(never)]
     pub(crate) fn step(&mut self, config: &Config, handle: &Handle, load_code: u16, force: f32) -> f32 {
-        let fed = &config.fed;
+        let gains = &config.feed_forward;
         // the cell shows the reaction
-        self.push += fed.learn * (-config.device.load.to_si(load_code) - self.push);
+        self.push += gains.learn * (-config.device.load.to_si(load_code) - self.push);
         let v = handle.velocity;
-        let by_speed = one(v * fed.per_speed);
-        let direction = by_speed + (1.0 - by_speed.abs()) * one(self.push * fed.per_push);
-        let level = if direction > 0.0 { fed.level_p } else { fed.level_n };
-        let mut sum = level * direction + fed.damping * v;
-        if fed.has_effects {
+        let by_speed = one(v * gains.per_speed);
+        let direction = by_speed + (1.0 - by_speed.abs()) * one(self.push * gains.per_push);
+        let level = if direction > 0.0 { gains.level_p } else { gains.level_n };
+        let mut sum = level * direction + gains.damping * v;
+        if gains.has_effects {
             let compensation = &config.device.compensation;
             let motion = Motion { position: handle.position, applied: force, ..Motion::default() };
             for effect in compensation.effects.iter().flatten() {

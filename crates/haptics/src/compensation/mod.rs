@@ -17,6 +17,13 @@
 //! whatever noise and delay do to d. A feed-forward above the friction that is there drives a limit cycle
 //! [armstrong-1994]. What remains is sampled: the negative damping share·b and the slope K of effects over the position
 //! need b > share·b + share·K·(T/2 + delay) [colgate-1997].
+//!
+//! [`Compensation`] is what people set (`settings`: by name, validated); the loop runs the `gains` that are built from it, in the
+//! step of `feed_forward`.
+
+pub(crate) mod feed_forward;
+pub(crate) mod gains;
+mod settings;
 
 use friction::effects::Effect;
 

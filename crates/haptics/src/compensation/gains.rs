@@ -1,4 +1,4 @@
-//! The compensation as the loop runs it.
+//! Gains of the feed-forward.
 
 use crate::Device;
 use friction::Scalar;
@@ -6,9 +6,9 @@ use friction::Scalar;
 /// Time constant of the low-pass on the push, s.
 const PUSH_S: f32 = 8e-3;
 
-/// What the loop runs: shares multiplied out.
+/// The compensation as the loop runs it: shares multiplied out.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Fed {
+pub(crate) struct Gains {
     pub(crate) is_on: bool,
     pub(crate) level_p: f32,
     pub(crate) level_n: f32,
@@ -20,7 +20,7 @@ pub(crate) struct Fed {
     pub(crate) has_effects: bool,
 }
 
-impl Fed {
+impl Gains {
     pub(crate) fn new(device: &Device) -> Self {
         let c = &device.compensation;
         Self {

@@ -1,6 +1,6 @@
 //! Parameters of the compensation by name, and their validation against the device.
 
-use crate::compensation::{COMPENSATION_CYCLES, LARGEST_SHARE, PUSH, SPEED};
+use super::{COMPENSATION_CYCLES, LARGEST_SHARE, PUSH, SPEED};
 use crate::number::{self, Text};
 use crate::settings::{SetWhy, Slot, effect_cycles, slot};
 use crate::{Accepted, Compensation, Device, Reason, Refused, SetError, Value};
