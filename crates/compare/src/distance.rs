@@ -212,14 +212,14 @@ pub fn compare(
 
 /// A square with what noise adds to it taken off.
 #[derive(Debug, Clone, Copy)]
-struct Squared {
-    value: f64,
-    variance: f64,
+pub(crate) struct Squared {
+    pub value: f64,
+    pub variance: f64,
 }
 
 impl Squared {
     /// d'Wd − tr(WΣ), variance 4·d'WΣWd + 2·tr((WΣ)²).
-    fn of(off: &DVector<f64>, weight: &DVector<f64>, noise: &DMatrix<f64>) -> Self {
+    pub fn of(off: &DVector<f64>, weight: &DVector<f64>, noise: &DMatrix<f64>) -> Self {
         let weighted = off.component_mul(weight);
         let both = DMatrix::from_diagonal(weight) * noise;
         Self {
@@ -228,7 +228,7 @@ impl Squared {
         }
     }
 
-    fn root(self) -> Interval {
+    pub fn root(self) -> Interval {
         let root = |square: f64| square.max(0.0).sqrt();
         let half = T95 * root(self.variance);
         Interval { value: root(self.value), ci95: [root(self.value - half), root(self.value + half)] }

@@ -27,6 +27,17 @@ pub enum Error {
     /// The recordings have no speed in common.
     #[error("no speed at which all slide: {0}")]
     NoCommonSpeed(String),
+    /// A recording in the plane that slides in too few directions.
+    #[error("{recording}: slides in {visited} of 8 sectors of a half turn; 5 are accepted")]
+    FewDirections {
+        /// Which.
+        recording: String,
+        /// Number of sectors.
+        visited: usize,
+    },
+    /// No recording among what is compared in the plane.
+    #[error("two models in the plane have no speed to be compared at")]
+    ModelsOnly,
     /// Inertia and friction are collinear.
     #[error("{0}: the motion does not tell inertia and friction apart")]
     Collinear(String),
@@ -42,6 +53,8 @@ impl Error {
                 Some("move to and fro, over several millimetres, for ten seconds or more")
             }
             Self::NoCommonSpeed(_) => Some("recordings whose speeds overlap are accepted"),
+            Self::FewDirections { .. } => Some("move in circles, or along lines in several directions"),
+            Self::ModelsOnly => Some("a recording and a model are accepted, and two recordings"),
             Self::Collinear(_) => {
                 Some("a motion whose speed changes is accepted, such as a hand that moves to and fro")
             }

@@ -287,7 +287,7 @@ fn mean_of([(x, of_x), (y, of_y)]: [(f64, f64); 2]) -> (f64, f64) {
 }
 
 /// Covariance of an estimate from what it is without each part.
-fn jackknife(left_out: &[DVector<f64>]) -> DMatrix<f64> {
+pub(crate) fn jackknife(left_out: &[DVector<f64>]) -> DMatrix<f64> {
     let (n, count) = (left_out.first().map_or(0, |x| x.len()), left_out.len() as f64);
     let mean = left_out.iter().fold(DVector::zeros(n), |sum, x| sum + x) / count;
     let squares = left_out.iter().fold(DMatrix::zeros(n, n), |sum, x| {

@@ -18,6 +18,9 @@ impl Jnd {
     /// measured.
     const SMALLEST: f64 = 0.1;
 
+    /// Of the direction of a force felt by a hand alone, rad: 25.6° [barbagli-2006].
+    pub const DIRECTION: f64 = 25.6 * std::f64::consts::PI / 180.0;
+
     fn at(level: f64, at_reference: f64) -> f64 {
         at_reference / Self::REFERENCE * level.abs().max(Self::SMALLEST)
     }

@@ -23,6 +23,13 @@
 //! **The ratio.** g = Σ w·L·L' / Σ w·L², how many times the friction of the real block is rendered. *Different* means:
 //! its 95 % interval lies wholly beyond the margin (5 %) on one side of 1; *the same*: wholly within; else undecided.
 //! A hand may feel no difference where this does: a tenth of the friction is a quarter to a half of a JND.
+//!
+//! **In the plane** ([`compare_planar`]) friction has a size and a direction at each direction of motion. Sizes differ in the JND
+//! above, directions in that of the direction of a force, 25.6° [barbagli-2006]:
+//!
+//! > D² = mean over directions of motion of (Δ|F|/JND)² + (Δangle/25.6°)²
+//!
+//! *Different* means that in some direction of motion |F'|/|F| lies wholly beyond the margin, *the same*: within it in all.
 
 #![forbid(unsafe_code)]
 
@@ -30,11 +37,13 @@ mod distance;
 mod error;
 mod fit;
 mod jnd;
+mod plane;
 
 pub use distance::{Breakaway, Comparison, Curves, Interval, Point, Verdict, compare};
 pub use error::Error;
 pub use fit::{Bins, Levels, Measured, Row};
 pub use jnd::Jnd;
+pub use plane::{PlanarComparison, PlanarMeasured, PlanarPoint, compare_planar};
 
 /// Largest relative difference of friction that counts as the same.
 pub const MARGIN: f64 = 0.05;

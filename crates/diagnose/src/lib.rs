@@ -50,7 +50,7 @@ pub use findings::words::{ForceError, summary};
 pub use options::{Error, Options};
 pub use per_recording::{Nuisance, PerRecording};
 pub use pipeline::{diagnose, diagnose_watched};
-pub use planar::{PlanarDiagnosis, diagnose_planar, planar_effect_ids};
+pub use planar::{PlanarDiagnosis, diagnose_planar, diagnose_planar_watched, planar_effect_ids};
 pub use result::{
     After, Baseline, Bin, Blind, CarriesNot, Curve, Diagnosis, Figures, FreeCurve, FreeFormFinding, LeftOut,
     Location, LooksLike, Missing, NoiseFloor, Quantity, Rejected, Remainder, SCHEMA, Validation, Verdict,

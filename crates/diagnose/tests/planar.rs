@@ -1,12 +1,14 @@
 //! What is concealed in recordings of the rig in the plane. The rig integrates a contact with bristles or with stopping forces;
 //! the diagnosis fits an ellipse of constant level.
 
-use diagnose::{Options, Verdict, diagnose_planar};
-use friction::planar::{Coulomb, ElastoPlastic, Grain, Law, LuGre, Vector};
-use plant_crate::{Path, PlanarConfig, PlanarRig};
+use diagnose::{Error, Options, Verdict, diagnose_planar, diagnose_planar_watched};
+use fixtures::plane::bristles;
+use friction::planar::{Coulomb, Grain, Law, Vector};
+use plant_crate::{Path, PlanarConfig};
 use rand::{RngExt, SeedableRng};
-use signals::{PlanarRecording, Recording};
+use signals::PlanarRecording;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::ControlFlow;
 
 /// What is concealed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,28 +36,15 @@ impl Concealed {
 }
 
 fn law(level: f64, grain: Grain<f64>, which: u64) -> Law<f64> {
-    let contact = friction::LuGre {
-        sigma_0: 3e5,
-        sigma_1: 50.0,
-        sigma_2: 0.0,
-        coulomb: level,
-        stiction: level,
-        stribeck_velocity: 1e-3,
-    };
     match which % 4 {
-        0 => Law::LuGre(LuGre { contact, grain }),
-        1 => Law::ElastoPlastic(ElastoPlastic { contact: friction::ElastoPlastic::of(contact, 0.8), grain }),
+        kind @ (0 | 1) => bristles(level, grain, kind == 1),
         _ => Law::Coulomb(Coulomb { level, stiction: level, viscous: 0.0, grain }),
     }
 }
 
 fn path(seed: u64) -> Path {
     // each kind of what is concealed on every path
-    match (seed / 6 + seed) % 3 {
-        0 => Path::Multisines { amplitude: 0.04, frequency: 0.8 },
-        1 => Path::Circles { radius: 0.03, frequency: 1.1 },
-        _ => Path::Lines { half: 0.04, frequency: 1.0, lines: 7 },
-    }
+    fixtures::plane::path(seed / 6 + seed)
 }
 
 fn recorded(concealed: Concealed, seed: u64) -> PlanarRecording {
@@ -72,31 +61,22 @@ fn recorded(concealed: Concealed, seed: u64) -> PlanarRecording {
         force_zero: Vector { x: 0.05, y: -0.08 },
         ..PlanarConfig::default()
     };
-    let mut rig = PlanarRig::new(config, law(level, grain, seed), seed).expect("a rig");
     let viscous = 1.0 + 2.0 * random.random::<f64>();
-    let seen = rig.record(&path(seed), 8.0, |_, x, v| {
+    let field = |_: f64, x: Vector<f64>, v: Vector<f64>| {
         let further = match concealed {
             Concealed::Drag(c) => v * (c * v.norm()),
             Concealed::Spring(k) => Vector { x: 0.0, y: k * x.y },
             _ => Vector::default(),
         };
         v * viscous + further
-    });
-    let [px, py] = seen.position;
-    let [fx, fy] = seen.force;
-    let axis = |position, force| Recording {
-        name: format!("{seed}.csv"),
-        time: seen.time.clone(),
-        position,
-        force,
-        ..Recording::default()
     };
-    PlanarRecording { name: format!("{seed}.csv"), axes: [axis(px, fx), axis(py, fy)] }
+    let seen = fixtures::plane::recorded(law(level, grain, seed), config, &path(seed), 8.0, seed, field);
+    PlanarRecording::of(&format!("{seed}.csv"), seen.time, seen.position, seen.force)
 }
 
 /// What was named, and the parameters of the first.
 fn named(recording: PlanarRecording) -> diagnose::Diagnosis {
-    diagnose_planar(&[recording], &Options::default(), &|_, _| ()).expect("diagnosed").found
+    diagnose_planar(&[recording], &[], &Options::default(), &|_, _| ()).expect("diagnosed").found
 }
 
 #[test]
@@ -158,14 +138,9 @@ fn nothing_is_named_where_nothing_is_concealed() {
 #[test]
 fn a_motion_on_one_line_is_blind_to_the_grain() {
     let law = law(1.0, Grain::at(0.4, 1.8), 0);
-    let mut rig = PlanarRig::new(PlanarConfig::default(), law, 1).expect("a rig");
     let line = Path::Lines { half: 0.04, frequency: 1.0, lines: 1 };
-    let seen = rig.record(&line, 10.0, |_, _, v| v * 2.0);
-    let [px, py] = seen.position;
-    let [fx, fy] = seen.force;
-    let axis =
-        |position, force| Recording { time: seen.time.clone(), position, force, ..Recording::default() };
-    let found = named(PlanarRecording { name: "line.csv".into(), axes: [axis(px, fx), axis(py, fy)] });
+    let seen = fixtures::plane::recorded(law, PlanarConfig::default(), &line, 10.0, 1, |_, _, v| v * 2.0);
+    let found = named(PlanarRecording::of("line.csv", seen.time, seen.position, seen.force));
     println!("{:?}\n{:?}", found.summary, found.blind_to);
     assert!(found.missing.iter().all(|m| m.effect != "anisotropy"));
     assert!(found.blind_to.iter().any(|b| b.effect == "anisotropy"));
@@ -175,6 +150,48 @@ fn a_motion_on_one_line_is_blind_to_the_grain() {
 fn options_for_recordings_on_a_line_are_refused() {
     let recording = recorded(Concealed::Nothing, 1);
     let options = Options { absolute: true, ..Options::default() };
-    let refused = diagnose_planar(&[recording], &options, &|_, _| ()).expect_err("refused").to_string();
+    let refused = diagnose_planar(&[recording], &[], &options, &|_, _| ()).expect_err("refused").to_string();
     assert!(refused.contains("absolute") && refused.contains("on a line only"), "{refused}");
+}
+
+#[test]
+fn a_grain_that_is_named_predicts_a_recording_that_was_not_fitted() {
+    // of one surface, on other paths
+    let made = |path: &Path, seed: u64| {
+        let law = law(1.2, Grain::at(0.6, 1.5), 0);
+        let config = PlanarConfig { force_zero: Vector { x: 0.05, y: -0.08 }, ..PlanarConfig::default() };
+        let seen = fixtures::plane::recorded(law, config, path, 8.0, seed, |_, _, v| v * 2.0);
+        PlanarRecording::of(&format!("{seed}.csv"), seen.time, seen.position, seen.force)
+    };
+    let lines = made(&Path::Lines { half: 0.04, frequency: 1.0, lines: 7 }, 1);
+    let other = made(&Path::Multisines { amplitude: 0.04, frequency: 0.8 }, 2);
+    let mut short = made(&Path::Circles { radius: 0.03, frequency: 1.0 }, 3);
+    short.axes.iter_mut().for_each(|axis| {
+        for column in [&mut axis.time, &mut axis.position, &mut axis.force] {
+            column.truncate(150);
+        }
+    });
+    let found = diagnose_planar(&[lines], &[other, short], &Options::default(), &|_, _| ());
+    let found = found.expect("diagnosed").found;
+    println!("{:?}, noise {}", found.validation, found.noise_floor.rms);
+    assert_eq!(found.missing.iter().map(|m| m.effect.as_str()).collect::<Vec<_>>(), ["anisotropy"]);
+    let [v] = &found.validation[..] else { panic!("one recording judges") };
+    // a fifth of the friction is beside a disc
+    assert!(v.recording == "2.csv" && v.rms_before > 0.15 && v.rms_after < 0.3 * v.rms_before);
+    assert!(found.recording_faults.iter().any(|f| f.why.starts_with("3.csv cannot judge")));
+}
+
+#[test]
+fn a_watch_ends_a_search_in_the_plane() {
+    let recording = recorded(Concealed::Grain { ratio: 1.5, angle: 0.6 }, 1);
+    let until = |end: &'static str| {
+        let watch = move |_: f32, what: &str| {
+            if what == end { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        diagnose_planar_watched(std::slice::from_ref(&recording), &[], &Options::default(), &watch)
+    };
+    for end in ["audit", "search", "location", "rivals"] {
+        assert!(matches!(until(end), Err(Error::Interrupted)), "{end}");
+    }
+    assert!(until("no such step").is_ok());
 }

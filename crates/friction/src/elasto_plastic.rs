@@ -1,6 +1,5 @@
 //! Elasto-plastic friction: LuGre with an elastic range, which removes its drift.
 
-use crate::planar::Vector;
 use crate::{FrictionLaw, Invalid, LuGre, Motion, Scalar, in_range, limits, mean_decay};
 use serde::{Deserialize, Serialize};
 
@@ -120,9 +119,11 @@ impl<S: Scalar> ElastoPlastic<S> {
         let stiff = one / steady;
         let transition = S::lit(core::f64::consts::PI) / (steady - break_away);
         let centre = half * (steady + break_away);
+        // no square of a deflection underflows where it could matter
+        let length = |z: S, side: S| if side == zero { z.abs() } else { (z * z + side * side).sqrt() };
         // α/z_ss times the share of the deflection that points in the direction of motion
         let rate_at = |z: S, side: S| {
-            let length = Vector { x: z, y: side }.norm();
+            let length = length(z, side);
             if !(z > zero) || length <= break_away {
                 zero
             } else if length >= steady {
@@ -137,9 +138,11 @@ impl<S: Scalar> ElastoPlastic<S> {
             let to_middle = half * part;
             rate = rate_at(z + to_middle * (one - rate * z), side - to_middle * (rate * side));
             let decay = mean_decay(rate * part);
-            let end = Vector { x: z + (one - rate * z) * part * decay, y: side - rate * side * part * decay }
-                .within(steady);
-            (z, side) = (end.x, end.y);
+            (z, side) = (z + (one - rate * z) * part * decay, side - rate * side * part * decay);
+            let length = length(z, side);
+            if length > steady {
+                (z, side) = (z / length * steady, side / length * steady);
+            }
         }
         (z, side)
     }

@@ -29,6 +29,7 @@
 use crate::identification::unit_of;
 use crate::model::{Coupling, Model};
 use crate::model_words::{Complaint, MODEL_SCHEMA, decimal, name_in_file};
+use crate::planar::PlanarModel;
 use crate::{model_curves, model_read};
 use friction::effects::EffectKind;
 use friction::parameters::OFFSET;
@@ -56,6 +57,11 @@ impl Model {
     /// # Errors
     /// As [`Model::read`].
     pub fn from_toml(file: &str, text: &str) -> Result<Self, Error> {
+        if PlanarModel::is_planar(text) {
+            let why = "is a model in the plane; accepted is one on a line: `predict` and `compare` take it, or identify one axis \
+                       of its recording with --map time_s=time_s,position_m=position_x_m,force_n=force_x_n";
+            return Err(Complaint { at: None, why: why.into() }.of(file));
+        }
         model_read::read(text).map_err(|complaint| complaint.of(file))
     }
 

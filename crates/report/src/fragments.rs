@@ -2,10 +2,21 @@
 
 use crate::escape::escape;
 use crate::number::{html as number, html_with_std as with_std};
-use crate::page::words;
+use crate::page::{Page, words};
 use diagnose::Quantity;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+
+/// A parameter that the recording does not determine.
+#[derive(Debug, Clone, Default)]
+pub struct Undetermined {
+    /// Name.
+    pub parameter: String,
+    /// Reason.
+    pub because: String,
+    /// Move that would determine it.
+    pub experiment: String,
+}
 
 /// Parameters with standard errors and 95 % intervals.
 pub(crate) fn parameters(parameters: &BTreeMap<String, Quantity>) -> String {
@@ -74,4 +85,47 @@ pub(crate) fn experiment(experiment: &str) -> String {
         }
         _ => format!("<p>{}</p>", escape(text)),
     }
+}
+
+/// The head of an identification: what was identified in one sentence, and the faults of the recording.
+pub(crate) fn identified(page: &mut Page, name: &str, sentence: &str, found: &[signals::RecordingFault]) {
+    page.html(format!(
+        r#"<header><p class="overline"><span class="chip no_mismatch">Identified</span>recording <b>{}</b></p><h1>{sentence}</h1></header>"#,
+        escape(name)
+    ));
+    page.html(faults(found));
+}
+
+/// Parameters that were identified, and those that the recording does not determine.
+pub(crate) fn identified_parameters(
+    page: &mut Page,
+    found: &BTreeMap<String, Quantity>,
+    undetermined: &[Undetermined],
+) {
+    page.heading("Parameters");
+    page.html(parameters(found));
+    for u in undetermined {
+        page.html(format!(
+            r#"<div class="fault"><b>{} is not identifiable</b> from this recording: {}</div>"#,
+            words(&u.parameter),
+            escape(&u.because)
+        ));
+        page.html(experiment(&u.experiment));
+    }
+}
+
+/// How the figures were computed, one sentence a line.
+pub(crate) fn method(page: &mut Page, how: &[String]) {
+    page.heading("How this was computed");
+    let mut list = String::from(r#"<ul class="plain">"#);
+    for line in how {
+        let _ = write!(list, "<li>{}</li>", escape(line));
+    }
+    list.push_str("</ul>");
+    page.html(list);
+}
+
+/// Step from one drawn point to the next, where at most `most` of `count` are drawn.
+pub(crate) fn every(count: usize, most: usize) -> usize {
+    count.div_ceil(most).max(1)
 }

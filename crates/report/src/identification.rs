@@ -3,26 +3,14 @@
 
 use crate::chart::{Chart, Ink, Stroke, laid_end_to_end};
 use crate::escape::escape;
-use crate::fragments::{experiment, faults, parameters};
+use crate::fragments::{Undetermined, every, identified, identified_parameters, method};
 use crate::number::html as number;
-use crate::page::{Page, words};
+use crate::page::Page;
 use diagnose::Quantity;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// Largest number of points of a scatter plot. Beyond, every n-th is drawn.
 const MAX_SCATTER: usize = 4000;
-
-/// A parameter that the recording does not determine.
-#[derive(Debug, Clone, Default)]
-pub struct Undetermined {
-    /// Name.
-    pub parameter: String,
-    /// Reason.
-    pub because: String,
-    /// Move that would determine it.
-    pub experiment: String,
-}
 
 /// Contents of the report of an identification. Series have equal lengths; units are N and m, or N·m and rad.
 #[derive(Debug, Clone, Default)]
@@ -62,24 +50,10 @@ pub struct Identified {
 pub fn identification(found: &Identified) -> String {
     let mut page = Page::default();
     let unit = escape(&found.force_unit);
-    page.html(format!(
-        r#"<header><p class="overline"><span class="chip no_mismatch">Identified</span>recording <b>{}</b></p><h1>{}</h1></header>"#,
-        escape(&found.name),
-        headline(found)
-    ));
-    page.html(faults(&found.faults));
+    identified(&mut page, &found.name, &headline(found), &found.faults);
     page.heading("Friction against velocity");
     page.chart(&scatter(found));
-    page.heading("Parameters");
-    page.html(parameters(&found.parameters));
-    for u in &found.undetermined {
-        page.html(format!(
-            r#"<div class="fault"><b>{} is not identifiable</b> from this recording: {}</div>"#,
-            words(&u.parameter),
-            escape(&u.because)
-        ));
-        page.html(experiment(&u.experiment));
-    }
+    identified_parameters(&mut page, &found.parameters, &found.undetermined);
     page.heading("Measured against fitted");
     let (time, _) = laid_end_to_end(&found.time);
     let error = found.force.iter().zip(&found.predicted).map(|(f, p)| f - p).collect();
@@ -97,13 +71,7 @@ pub fn identification(found: &Identified) -> String {
             .series("residual", Ink::Before, Stroke::Line, error)
             .caption(format!("What this law leaves, {unit}. <code>tribos diagnose</code> says what it is.")),
     );
-    page.heading("How this was computed");
-    let mut list = String::from(r#"<ul class="plain">"#);
-    for line in &found.how {
-        let _ = write!(list, "<li>{}</li>", escape(line));
-    }
-    list.push_str("</ul>");
-    page.html(list);
+    method(&mut page, &found.how);
     page.finish(&format!("tribos identification of {}", found.name), "")
 }
 
@@ -127,7 +95,7 @@ fn capitalised(law: &str) -> String {
 /// Measured points and the fitted law in order of velocity.
 fn scatter(found: &Identified) -> Chart {
     let inertia: Vec<f64> = found.force.iter().zip(&found.friction).map(|(f, r)| f - r).collect();
-    let every = found.velocity.len().div_ceil(MAX_SCATTER).max(1);
+    let every = every(found.velocity.len(), MAX_SCATTER);
     let mut points: Vec<(f64, f64, f64)> = found
         .velocity
         .iter()

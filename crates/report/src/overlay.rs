@@ -1,7 +1,7 @@
 //! A real and a rendered block in one picture.
 
 use crate::picture::{BLUE, DrawError, GREEN, GREY, Line, ORANGE, Panel, Picture, svg};
-use compare::{Bins, Comparison, Levels, Measured, Row};
+use compare::{Bins, Comparison, Levels, Measured, PlanarComparison, PlanarPoint, Row};
 
 /// Number of dots per recording.
 const DOTS: usize = 1500;
@@ -102,4 +102,46 @@ fn curve(levels: &Levels, bins: &Bins, own: &dyn Fn(f64) -> f64, sign: f64) -> V
         .collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points
+}
+
+/// Friction in the plane, and the difference in JND over the direction of motion, as SVG; at the middle of the speeds.
+///
+/// # Errors
+/// Errors of the drawing library.
+pub fn planar_overlay(comparison: &PlanarComparison) -> Result<String, DrawError> {
+    let count = comparison.points.len();
+    let mut points: Vec<&PlanarPoint> = comparison.points[count / 3..2 * count / 3].iter().collect();
+    points.sort_by(|a, b| a.direction.total_cmp(&b.direction));
+    let ring = |of: fn(&PlanarPoint) -> [f64; 2]| {
+        let closed = points.iter().chain(points.first());
+        closed.map(|p| of(p)).map(|[x, y]| (x, y)).collect::<Vec<_>>()
+    };
+    let plane = Panel {
+        title: "friction in every direction".into(),
+        axes: ["along x / N", "along y / N"],
+        lines: vec![
+            Line::new("real", BLUE, ring(|p| p.real)),
+            Line::new("rendered", ORANGE, ring(|p| p.rendered)),
+        ],
+        ..Panel::default()
+    };
+    let over = |of: fn(&PlanarPoint) -> f64| {
+        points.iter().map(|p| (p.direction.to_degrees(), of(p))).collect::<Vec<_>>()
+    };
+    let largest =
+        points.iter().flat_map(|p| [p.level_jnd, p.turned_jnd]).fold(1.1, |m: f64, x| m.max(x.abs()));
+    let level = |y: f64| vec![(-180.0, y), (180.0, y)];
+    let in_jnd = Panel {
+        title: format!("difference: {:.2} JND in all", comparison.distance.value),
+        axes: ["direction of motion / °", "rendered − real / JND"],
+        lines: vec![
+            Line::new("what a hand notices", GREY, level(1.0)),
+            Line::new("", GREY, level(-1.0)),
+            Line::new("size", GREEN, over(|p| p.level_jnd)),
+            Line::new("direction of the force", ORANGE, over(|p| p.turned_jnd)),
+        ],
+        y: Some(-1.1 * largest..1.1 * largest),
+        ..Panel::default()
+    };
+    svg(&Picture::of(vec![plane, in_jnd]))
 }

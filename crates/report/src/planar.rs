@@ -2,15 +2,12 @@
 //! direction.
 
 use crate::chart::{Chart, Ink, Stroke};
-use crate::escape::escape;
-use crate::fragments::{experiment, faults, parameters};
-use crate::identification::Undetermined;
+use crate::fragments::{Undetermined, every, identified, identified_parameters, method};
 use crate::number::html as number;
-use crate::page::{Page, words};
+use crate::page::Page;
 use crate::picture::{self, BLUE, GREY, Line, ORANGE, Panel, Picture};
 use diagnose::Quantity;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// Most points of a picture; beyond, every n-th is drawn.
 const MOST: usize = 3000;
@@ -45,35 +42,17 @@ pub struct PlanarIdentified {
 pub fn planar_identification(found: &PlanarIdentified) -> String {
     let mut page = Page::default();
     let left = 100.0 * found.relative_error;
-    page.html(format!(
-        r#"<header><p class="overline"><span class="chip no_mismatch">Identified</span>recording <b>{}</b></p><h1>{} explains all but {left:.2}&nbsp;% of the force (rms) of both axes.</h1></header>"#,
-        escape(&found.name),
-        headline(found)
-    ));
-    page.html(faults(&found.faults));
+    let sentence =
+        format!("{} explains all but {left:.2}&nbsp;% of the force (rms) of both axes.", headline(found));
+    identified(&mut page, &found.name, &sentence, &found.faults);
     page.heading("Level of friction by direction");
     if let Ok(svg) = picture::svg(&polar(found)) {
         page.html(format!(r#"<figure>{svg}<figcaption>Each point is the friction of one sample: the force with inertia, viscous friction and offset taken off. The line is the ellipse that was fitted.</figcaption></figure>"#));
     }
     page.heading("Direction of friction against direction of motion");
     page.chart(&directions(found));
-    page.heading("Parameters");
-    page.html(parameters(&found.parameters));
-    for u in &found.undetermined {
-        page.html(format!(
-            r#"<div class="fault"><b>{} is not identifiable</b> from this recording: {}</div>"#,
-            words(&u.parameter),
-            escape(&u.because)
-        ));
-        page.html(experiment(&u.experiment));
-    }
-    page.heading("How this was computed");
-    let mut list = String::from(r#"<ul class="plain">"#);
-    for line in &found.how {
-        let _ = write!(list, "<li>{}</li>", escape(line));
-    }
-    list.push_str("</ul>");
-    page.html(list);
+    identified_parameters(&mut page, &found.parameters, &found.undetermined);
+    method(&mut page, &found.how);
     page.finish(&format!("tribos identification of {}", found.name), "")
 }
 
@@ -92,7 +71,7 @@ fn headline(found: &PlanarIdentified) -> String {
 
 /// Friction in the plane of forces.
 fn polar(found: &PlanarIdentified) -> Picture {
-    let every = found.friction.len().div_ceil(MOST).max(1);
+    let every = every(found.friction.len(), MOST);
     let pairs = |all: &[[f64; 2]]| all.iter().step_by(every).map(|f| (f[0], f[1])).collect::<Vec<_>>();
     let mut ring: Vec<(f64, f64)> = pairs(&found.fitted);
     ring.sort_by(|a, b| a.1.atan2(a.0).total_cmp(&b.1.atan2(b.0)));
@@ -114,7 +93,7 @@ fn polar(found: &PlanarIdentified) -> Picture {
 
 /// How far friction points beside the motion.
 fn directions(found: &PlanarIdentified) -> Chart {
-    let every = found.motion.len().div_ceil(MOST).max(1);
+    let every = every(found.motion.len(), MOST);
     let angle = |v: &[f64; 2]| v[1].atan2(v[0]).to_degrees();
     let beside = |f: &[f64; 2], v: &[f64; 2]| {
         let by = angle(f) - angle(v);

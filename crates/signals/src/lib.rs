@@ -31,7 +31,7 @@ pub use bridge::{Bridged, bridged};
 pub use error::{Error, Place};
 pub use filter::{
     Design, Filter, Kind, LowPass, Section, central_difference, central_gain, decimate, decimation_filter,
-    four_point_difference, white_gain, zero_phase, zero_phase_padded,
+    four_point_difference, soften, white_gain, zero_phase, zero_phase_padded,
 };
 pub use formats::{Map, ReadOptions, WRITTEN, check_suffix, is_bag};
 pub use noise::{Calibration, Source, Sources, calibrate_accelerometer, noise_std, noise_variance, quantum};

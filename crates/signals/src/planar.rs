@@ -21,6 +21,20 @@ pub struct PlanarRecording {
 }
 
 impl PlanarRecording {
+    /// Positions, m, and forces, N, of both axes at the same times, s.
+    #[must_use]
+    pub fn of(name: &str, time: Vec<f64>, position: [Vec<f64>; 2], force: [Vec<f64>; 2]) -> Self {
+        let axis = |time, position, force| Recording {
+            name: name.into(),
+            time,
+            position,
+            force,
+            ..Recording::default()
+        };
+        let ([px, py], [fx, fy]) = (position, force);
+        Self { name: name.into(), axes: [axis(time.clone(), px, fx), axis(time, py, fy)] }
+    }
+
     /// Reads a recording in the plane, from a file of any kind that [`Recording::read`] takes. None where its columns are not
     /// those of one.
     ///

@@ -3,10 +3,21 @@
 
 use crate::regression::linear::Blocks;
 use identify::planar::{Ellipse, Track};
-use signals::{Basis, dot};
+use signals::{Basis, PlanarPrepared, dot};
 
 /// Fewest rows of an axis that can be split into blocks, fitted and held out.
 pub(super) const FEWEST_ROWS: f64 = 60.0;
+
+/// Fewest rows of a stretch.
+const FEWEST_OF_STRETCH: usize = 24;
+
+/// Stretches that are long enough, behind a filter at `cutoff` Hz, and the recording of each.
+pub(super) fn tracks(prepared: &[PlanarPrepared], cutoff: f64) -> (Vec<Track>, Vec<usize>) {
+    let of = |(index, p): (usize, &PlanarPrepared)| {
+        p.stretches.iter().map(|s| (Track::new(s.clone(), cutoff), index)).collect::<Vec<_>>()
+    };
+    prepared.iter().enumerate().flat_map(of).filter(|(t, _)| t.row_count() >= FEWEST_OF_STRETCH).unzip()
+}
 
 /// A row: its stretch, its axis and its number in the stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 
 use super::design::Design;
 use super::term::{Kind, PlanarScales, Term};
+use crate::options::Interrupted;
 use crate::regression::linear::{FOLDS, Fit, fit};
 use crate::regression::sign_flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::search::judgement::LEVEL as SIGNIFICANT;
@@ -51,7 +52,7 @@ impl Hypothesis {
         &self.fit.coefficients[from..from + self.terms[i].free().len()]
     }
 
-    /// Whether every gain lies in the range its effect accepts, and mass and level are not negative.
+    /// Gains lie in the ranges that their effects accept; mass and level are not negative.
     pub fn physical(&self) -> bool {
         let gains = |i: usize| {
             let term = &self.terms[i];
@@ -92,6 +93,9 @@ pub(super) struct Search<'a> {
     pub max_terms: usize,
     pub seed: u64,
 }
+
+/// The baseline, the last hypothesis, and the test of each of its terms.
+pub(super) type Searched = (Hypothesis, Hypothesis, Vec<Found>);
 
 /// A term that was found, with its test.
 pub(super) struct Found {
@@ -271,12 +275,18 @@ impl Search<'_> {
     }
 
     /// Adds what is missing until nothing is significant. Returns the baseline, the last hypothesis, and the test of each term.
-    pub fn run(&self, tell: &dyn Fn(f32)) -> Option<(Hypothesis, Hypothesis, Vec<Found>)> {
-        let baseline = self.hypothesis(&[], Ellipse::default())?;
+    ///
+    /// # Errors
+    /// `tell` asked for an early end.
+    pub fn run(
+        &self,
+        tell: &dyn Fn(f32) -> Result<(), Interrupted>,
+    ) -> Result<Option<Searched>, Interrupted> {
+        let Some(baseline) = self.hypothesis(&[], Ellipse::default()) else { return Ok(None) };
         let mut found: Vec<Found> = Vec::new();
         let mut now = baseline.clone();
         while found.len() < self.max_terms {
-            tell(found.len() as f32 / self.max_terms as f32);
+            tell(found.len() as f32 / self.max_terms as f32)?;
             let few = self.ranked(&now);
             let tried = few.iter().take(4).filter_map(|term| {
                 let terms: Vec<Term> = now.terms.iter().copied().chain([*term]).collect();
@@ -304,7 +314,7 @@ impl Search<'_> {
         for (f, term) in found.iter_mut().zip(&now.terms) {
             f.term = *term;
         }
-        Some((baseline, now, found))
+        Ok(Some((baseline, now, found)))
     }
 
     /// Takes out what no longer gains beside the others.

@@ -9,9 +9,8 @@
 //! [`SHARPER`] times the cut-off, and the noise this lets through is taken out again by the filter itself.
 
 use signals::{
-    Channels, LowPass, Noise, central_difference, derived_noise, differentiated, noise_std, quantile,
+    Channels, LowPass, Noise, central_difference, derived_noise, differentiated, noise_std, quantile, soften,
 };
-use std::f64::consts::PI;
 
 /// Cut-off of the filter behind which derivatives are taken, in cut-offs.
 const SHARPER: f64 = 3.0;
@@ -136,7 +135,7 @@ impl Track {
             track.mask[i] = 0.0;
             track.mask[n - 1 - i] = 0.0;
         }
-        track.soften((0.75 / (cutoff * dt)).ceil() as usize);
+        soften(&mut track.mask, (0.75 / (cutoff * dt)).ceil() as usize);
         track.measure_reversals();
         track
     }
@@ -196,26 +195,6 @@ impl Track {
         }
         for (from, to) in unknown.into_iter().filter(|_| !self.reversals.kept) {
             self.mask[from..to].fill(0.0);
-        }
-    }
-
-    /// Lets the mask rise over `width` samples beside every gap. An edge of the acceleration is smeared by the sharper
-    /// filter; cut through by a hard mask it would not cancel.
-    fn soften(&mut self, width: usize) {
-        let run = |since: &mut usize, mask: f64| {
-            *since = if mask == 0.0 { 0 } else { since.saturating_add(1) };
-            *since
-        };
-        let mut since = usize::MAX;
-        let mut nearest: Vec<usize> = self.mask.iter().map(|m| run(&mut since, *m)).collect();
-        since = usize::MAX;
-        for (near, m) in nearest.iter_mut().zip(&self.mask).rev() {
-            *near = (*near).min(run(&mut since, *m));
-        }
-        for (m, near) in self.mask.iter_mut().zip(nearest) {
-            if near <= width {
-                *m = 0.5 - 0.5 * (PI * near as f64 / (width + 1) as f64).cos();
-            }
         }
     }
 

@@ -80,8 +80,7 @@ impl<S: Scalar> Vector<S> {
     /// ```
     #[must_use]
     pub fn within(self, radius: S) -> Self {
-        let (length, direction) = self.polar();
-        if length > radius { direction * radius } else { self }
+        if self.norm() > radius { self.polar().1 * radius } else { self }
     }
 
     /// Both components limited to what a law returns.

@@ -259,6 +259,35 @@ proptest! {
         prop_assert!((v(f64::from(f.x), f64::from(f.y)) - force).norm() < 2e-5 * level.max(1.0) * grain.across.max(1.0), "{f:?} for {force:?}");
     }
 
+    /// At every ratio that is accepted, against a root that is bracketed and halved.
+    #[test]
+    fn nearest_force_agrees_with_bisection_at_every_ratio(
+        power in -2.0..2.0_f64, heading in 0.0..TAU, beyond in -5.0..5.0_f64, turn in 0.0..PI, level in 0.1..5.0_f64,
+    ) {
+        let across = 10f64.powf(power);
+        let grain = Grain::at(turn, across);
+        let t = v(heading.cos(), heading.sin() * across) * (level * (1.0 + 10f64.powf(beyond)));
+        // F = t/(1 + λ A⁻²): λ where it is on the ellipse
+        let force = |lambda: f64| v(t.x / (1.0 + lambda), t.y / (1.0 + lambda / (across * across)));
+        let held = |f: Vector<f64>| v(f.x, f.y / across).norm() <= level;
+        let (mut low, mut high) = (0.0, 1.0);
+        while !held(force(high)) {
+            high *= 2.0;
+        }
+        for _ in 0..2000 {
+            let middle = 0.5 * (low + high);
+            if held(force(middle)) { high = middle } else { low = middle }
+        }
+        let expected = force(high);
+        let most = level * across.max(1.0);
+        let off = (turned(grain.nearest(turned(t, turn), level), -turn) - expected).norm();
+        prop_assert!(off < 1e-11 * most, "{off} N of {most} N");
+        let device = Grain { along: Vector { x: 1.0_f32, y: 0.0 }, across: across as f32 };
+        let f = device.nearest(Vector { x: t.x as f32, y: t.y as f32 }, level as f32);
+        let off = (v(f64::from(f.x), f64::from(f.y)) - expected).norm();
+        prop_assert!(off < 1e-5 * most, "{off} N of {most} N in f32");
+    }
+
     /// Friction takes energy from the velocity with which the step ends, whatever pushes.
     #[test]
     fn stopping_force_opposes_the_end_of_every_step(

@@ -7,7 +7,10 @@ use crate::identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
 use crate::linear::{Dropped, Problem, Solution};
 use crate::ready::Ready;
 use nalgebra::{DMatrix, DVector};
-use signals::{Cutoff, Error, PlanarPrepared, PlanarRecording, RecordingFault, Settings, prepare_planar};
+use signals::{
+    Cutoff, Error, PlanarPrepared, PlanarRecording, RecordingFault, Settings, central_difference,
+    prepare_planar,
+};
 use std::collections::BTreeMap;
 
 /// χ² above which two parameters are not one, with one and with two degrees of freedom: p = 0.001.
@@ -37,6 +40,7 @@ enum Term {
     Level,
     C,
     S,
+    Lag,
 }
 
 impl Term {
@@ -52,6 +56,7 @@ impl Term {
             Self::ViscousYy => ("viscous_yy", "N·s/m"),
             Self::OffsetX => ("offset_x", "N"),
             Self::OffsetY => ("offset_y", "N"),
+            Self::Lag => ("friction_lag", "s"),
             Self::Level | Self::C | Self::S => return None,
         })
     }
@@ -73,6 +78,10 @@ impl Term {
             Self::Level => units[1].clone(),
             Self::C => units[2].clone(),
             Self::S => units[3].clone(),
+            // F(t − lag) ≈ F − lag dF/dt
+            Self::Lag => units[0]
+                .each_ref()
+                .map(|f| central_difference(f, track.raw[0].dt).iter().map(|rate| -rate).collect()),
         }
     }
 }
@@ -321,10 +330,10 @@ fn selected(data: &Rows) -> Option<Solved> {
         &[Term::Viscous]
     };
     let e = if differ(&bend, &[&[1.0, 0.0], &[0.0, 1.0]]) { &bend[..] } else { &[] };
-    data.solve(
-        &terms(m, v, e),
-        if e.is_empty() { Ellipse { c: 0.0, s: 0.0, ..full.ellipse } } else { full.ellipse },
-    )
+    let start = if e.is_empty() { Ellipse { c: 0.0, s: 0.0, ..full.ellipse } } else { full.ellipse };
+    let instant = terms(m, v, e);
+    let lagging = data.solve(&[&instant[..], &[Term::Lag]].concat(), start);
+    lagging.filter(|found| found.place(Term::Lag).is_some()).or_else(|| data.solve(&instant, start))
 }
 
 /// The solution in the JSON of an identification.

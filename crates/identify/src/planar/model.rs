@@ -119,6 +119,21 @@ impl PlanarModel {
         self.law().validate()
     }
 
+    /// Friction against a velocity, m/s, viscous friction included, N; zero at rest.
+    ///
+    /// ```
+    /// # let text = "schema = \"tribos.planar_model/1\"\nmass_x = 1.0\nmass_y = 1.0\nlevel_along = 1.0\nlevel_across = 2.0\n\
+    /// #     angle = 0.0\nviscous_xx = 3.0\nviscous_xy = 0.0\nviscous_yy = 3.0\n";
+    /// let wood = identify::planar::PlanarModel::from_toml("wood.toml", text).unwrap();
+    /// let [x, y] = wood.friction([0.0, -0.1]);
+    /// assert!(x.abs() < 1e-12 && (y + 2.3).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn friction(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [fx, fy] = Ellipse::of(self.level_along, self.level_across, self.angle).force(x, y)[0];
+        [fx + self.viscous_xx * x + self.viscous_xy * y, fy + self.viscous_xy * x + self.viscous_yy * y]
+    }
+
     /// Force at every sample of a stretch, N; at rest friction is unknown and the force is that without it.
     #[must_use]
     pub fn predict(&self, track: &Track) -> [Vec<f64>; 2] {

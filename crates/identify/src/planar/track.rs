@@ -3,8 +3,9 @@
 //! As on a line, samples at which the direction is not known are set aside before the filter's average is formed, on both
 //! sides of the equation alike: friction of a body at rest is whatever balances the applied force.
 
-use signals::{Channels, LowPass, central_difference, derived_noise, differentiated, noise_std, quantile};
-use std::f64::consts::PI;
+use signals::{
+    Channels, LowPass, central_difference, derived_noise, differentiated, noise_std, quantile, soften,
+};
 
 /// Cut-off of the filter behind which derivatives are taken, in cut-offs.
 const SHARPER: f64 = 3.0;
@@ -40,36 +41,96 @@ pub struct Track {
     pub stride: usize,
     /// Speed below which the direction is not known, m/s.
     pub guard: f64,
-    /// Standard deviation of the noise of each acceleration behind the filter, m/s².
+    /// Standard deviation of the noise of each acceleration in a row, m/s².
     pub acceleration_noise: [f64; 2],
 }
 
-/// Sum of two sources weighted by their noise.
-fn combined(one: Vec<f64>, of_one: f64, other: Option<(Vec<f64>, f64)>) -> Vec<f64> {
-    let Some((other, of_other)) = other else { return one };
-    let (a, b) = (1.0 / (of_one * of_one).max(1e-300), 1.0 / (of_other * of_other).max(1e-300));
-    one.iter().zip(&other).map(|(x, y)| (a * x + b * y) / (a + b)).collect()
+/// A source of a series: its values, the noise it is weighted by, and the noise of a row.
+struct Source {
+    series: Vec<f64>,
+    noise: f64,
+    of_row: f64,
 }
 
-/// Position, velocity and acceleration of an axis behind the sharper filter.
-fn motion(raw: &Channels, sharp: &LowPass, sharper: f64, cutoff: f64) -> [Vec<f64>; 3] {
-    let dt = raw.dt;
-    let x = sharp.apply(&raw.position);
-    let slope = central_difference(&x, dt);
-    let of_position = noise_std(&raw.position);
-    let column = |c: &Option<Vec<f64>>| c.as_ref().map(|c| (sharp.apply(c), noise_std(c)));
-    let velocity = column(&raw.velocity);
-    let quick = velocity.clone().map(|(v, noise)| (v, noise * differentiated(0, sharper, dt)));
-    let v = combined(slope.clone(), of_position * differentiated(1, sharper, dt), quick);
-    let bent = velocity.map(|(v, noise)| (central_difference(&v, dt), noise * differentiated(1, cutoff, dt)));
-    let by_motion = match bent {
+/// Sum of two sources weighted by their noise.
+fn combined(one: Source, other: Option<Source>) -> Source {
+    let Some(other) = other else { return one };
+    let information = |noise: f64| 1.0 / (noise * noise).max(1e-300);
+    let (a, b) = (information(one.noise), information(other.noise));
+    let (a, b) = (a / (a + b), b / (a + b));
+    Source {
+        series: one.series.iter().zip(&other.series).map(|(x, y)| a * x + b * y).collect(),
+        noise: (a * one.noise).hypot(b * other.noise),
+        of_row: (a * one.of_row).hypot(b * other.of_row),
+    }
+}
+
+/// The filters of a stretch.
+struct Chain {
+    filter: LowPass,
+    sharp: LowPass,
+    sharper: f64,
+    cutoff: f64,
+    stride: usize,
+    dt: f64,
+}
+
+impl Chain {
+    fn new(cutoff: f64, dt: f64) -> Self {
+        let sharper = (SHARPER * cutoff).min(0.3 / dt);
+        let stride = ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize;
+        Self {
+            filter: LowPass::new(cutoff, dt),
+            sharp: LowPass::new(sharper, dt),
+            sharper,
+            cutoff,
+            stride,
+            dt,
+        }
+    }
+
+    /// A series behind the sharper filter, `times` differentiated.
+    fn derivative(&self, series: &[f64], times: i32) -> Vec<f64> {
+        let first = self.sharp.apply(series);
+        (0..times).fold(first, |series, _| central_difference(&series, self.dt))
+    }
+
+    /// Noise that a row has of white noise of 1 in a series that is `times` differentiated: behind both filters, averaged over
+    /// a row. The noise of a sample behind the filter is larger, and taken for it an attenuation is corrected twice.
+    fn row_gain(&self, times: i32) -> f64 {
+        let half = 2 * (self.filter.settle() + self.sharp.settle()) + 8 * self.stride + 16;
+        let mut impulse = vec![0.0; 2 * half];
+        impulse[half] = 1.0;
+        let response = self.filter.apply(&self.derivative(&impulse, times));
+        let mean = |samples: &[f64]| samples.iter().sum::<f64>() / self.stride as f64;
+        response.windows(self.stride).map(|samples| mean(samples).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// Position, velocity and acceleration of an axis behind the sharper filter.
+    fn motion(&self, raw: &Channels) -> [Source; 3] {
+        let source = |series: &[f64], times: i32, judged: f64| {
+            let white = noise_std(series);
+            Source {
+                series: self.derivative(series, times),
+                noise: white * differentiated(times, judged, self.dt),
+                of_row: white * self.row_gain(times),
+            }
+        };
+        let x = source(&raw.position, 0, self.sharper);
+        let velocity = raw.velocity.as_deref();
+        let v = combined(
+            source(&raw.position, 1, self.sharper),
+            velocity.map(|column| source(column, 0, self.sharper)),
+        );
+        let slope = source(&raw.position, 2, self.cutoff);
         // of two sources of one motion the quieter; the accelerometer is beside both
-        Some((a, noise)) if noise < of_position * differentiated(2, cutoff, dt) => (a, noise),
-        _ => (central_difference(&slope, dt), of_position * differentiated(2, cutoff, dt)),
-    };
-    let shown = column(&raw.acceleration).map(|(a, noise)| (a, noise * differentiated(0, cutoff, dt)));
-    let a = combined(by_motion.0, by_motion.1, shown);
-    [x, v, a]
+        let by_motion = match velocity.map(|column| source(column, 1, self.cutoff)) {
+            Some(other) if other.noise < slope.noise => other,
+            _ => slope,
+        };
+        let shown = raw.acceleration.as_deref().map(|column| source(column, 0, self.cutoff));
+        [x, v, combined(by_motion, shown)]
+    }
 }
 
 impl Track {
@@ -77,20 +138,21 @@ impl Track {
     #[must_use]
     pub fn new(raw: [Channels; 2], cutoff: f64) -> Self {
         let dt = raw[0].dt;
-        let filter = LowPass::new(cutoff, dt);
-        let sharper = (SHARPER * cutoff).min(0.3 / dt);
-        let sharp = LowPass::new(sharper, dt);
-        let [[px, vx, ax], [py, vy, ay]] = [&raw[0], &raw[1]].map(|c| motion(c, &sharp, sharper, cutoff));
+        let chain = Chain::new(cutoff, dt);
+        let (sharper, stride) = (chain.sharper, chain.stride);
+        let [[px, vx, ax], [py, vy, ay]] = [&raw[0], &raw[1]].map(|c| chain.motion(c));
+        let acceleration_noise = [ax.of_row, ay.of_row];
+        let [[px, vx, ax], [py, vy, ay]] = [[px, vx, ax], [py, vy, ay]].map(|axis| axis.map(|s| s.series));
+        let Chain { filter, sharp, .. } = chain;
         let speed: Vec<f64> = vx.iter().zip(&vy).map(|(x, y)| x.hypot(*y)).collect();
         let of = |v: &[f64]| v.iter().zip(&speed).map(|(v, s)| v / s.max(1e-300)).collect::<Vec<_>>();
         let direction = [of(&vx), of(&vy)];
-        let noise = |cutoff: f64| [&raw[0], &raw[1]].map(|c| derived_noise(c, cutoff));
-        let slow = noise(sharper).map(|n| n.velocity).into_iter().fold(0.0, f64::max);
+        let slow = raw.iter().map(|c| derived_noise(c, sharper).velocity).fold(0.0, f64::max);
         let guard = (DIRECTED * slow).max(SLOW * quantile(&speed, 0.95));
         let n = speed.len();
         let mut track = Self {
             f: [sharp.apply(&raw[0].force), sharp.apply(&raw[1].force)],
-            acceleration_noise: noise(cutoff).map(|n| n.acceleration),
+            acceleration_noise,
             filter,
             x: [px, py],
             v: [vx, vy],
@@ -98,7 +160,7 @@ impl Track {
             speed,
             direction,
             mask: vec![1.0; n],
-            stride: ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize,
+            stride,
             guard,
             raw,
         };
@@ -111,7 +173,7 @@ impl Track {
         let settle = filter.settle().min(n / 4);
         track.mask[..settle].fill(0.0);
         track.mask[n - settle..].fill(0.0);
-        track.soften((0.75 / (cutoff * dt)).ceil() as usize);
+        soften(&mut track.mask, (0.75 / (cutoff * dt)).ceil() as usize);
         track
     }
 
@@ -123,26 +185,6 @@ impl Track {
         let (low, high) = (i.saturating_sub(ring), (i + ring).min(self.len() - 1));
         let [x, y] = &self.direction;
         x[low] * x[high] + y[low] * y[high] < TURN
-    }
-
-    /// Lets the mask rise over `width` samples beside every gap: an edge smeared by the sharper filter and cut through by a
-    /// hard mask would not cancel.
-    fn soften(&mut self, width: usize) {
-        let run = |since: &mut usize, mask: f64| {
-            *since = if mask == 0.0 { 0 } else { since.saturating_add(1) };
-            *since
-        };
-        let mut since = usize::MAX;
-        let mut nearest: Vec<usize> = self.mask.iter().map(|m| run(&mut since, *m)).collect();
-        since = usize::MAX;
-        for (near, m) in nearest.iter_mut().zip(&self.mask).rev() {
-            *near = (*near).min(run(&mut since, *m));
-        }
-        for (m, near) in self.mask.iter_mut().zip(nearest) {
-            if near <= width {
-                *m = 0.5 - 0.5 * (PI * near as f64 / (width + 1) as f64).cos();
-            }
-        }
     }
 
     /// Number of samples.

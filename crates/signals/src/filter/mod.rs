@@ -4,10 +4,12 @@
 
 mod gains;
 mod low_pass;
+mod soften;
 
 pub(crate) use gains::four_point_gain;
 pub use gains::{central_gain, white_gain};
 pub use low_pass::LowPass;
+pub use soften::soften;
 
 use crate::Error;
 use nalgebra::Complex;

@@ -1,14 +1,20 @@
 //! `tribos compare REAL RENDERED`: does the rendered block feel like the real one?
 
 use super::demo::fresh_folder;
-use crate::failure::{Outcome, Result};
+use crate::failure::{Failure, Outcome, Result};
 use crate::options::{self, Mapping};
 use crate::terminal::Terminal;
 use crate::{files, reading};
-use compare::{Comparison, MARGIN, Measured, Verdict, compare};
+use compare::{
+    Comparison, MARGIN, Measured, PlanarComparison, PlanarMeasured, PlanarPoint, Verdict, compare,
+    compare_planar,
+};
+use identify::planar::PlanarModel;
+use procedures::planar::Recordings;
 use procedures::rendered;
 use report::number::number;
-use report::{Table, overlay};
+use report::{Table, overlay, planar_overlay};
+use signals::PlanarRecording;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -19,10 +25,11 @@ use std::path::{Path, PathBuf};
   tribos compare real.csv rendered.csv --expect same
   tribos compare --demo")]
 pub struct Args {
-    /// The real block, moved by the device or by a hand: any file that identify reads; signals named with their units, or by --map
+    /// The real block, moved by the device or by a hand: any file that identify reads; signals named with their units, or by --map.
+    /// In the plane also a model
     #[arg(value_name = "REAL", required_unless_present = "demo")]
     real: Option<PathBuf>,
-    /// The rendered block, moved by a hand
+    /// The rendered block, moved by a hand. In the plane also a model
     #[arg(value_name = "RENDERED", required_unless_present = "demo")]
     rendered: Option<PathBuf>,
     /// The device alone (preset `baseline`), moved as for RENDERED: its own resistance is subtracted
@@ -79,7 +86,24 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         files::check_writable(path)?;
     }
     let paths: Vec<&PathBuf> = [real, rendered].into_iter().chain(&args.bare).collect();
-    let recordings = reading::read_all(&paths, &args.mapping)?;
+    let planar =
+        |path: &&&PathBuf| std::fs::read_to_string(path).is_ok_and(|text| PlanarModel::is_planar(&text));
+    let models: Vec<&&PathBuf> = paths.iter().filter(planar).collect();
+    let files: Vec<&&PathBuf> = paths.iter().filter(|path| !models.contains(path)).collect();
+    let recordings = match (reading::read_any(&files, &args.mapping), models.first()) {
+        (_, Some(_)) if files.is_empty() => return in_the_plane(args, &paths, Vec::new()),
+        (read, model) => match (read?, model) {
+            (Recordings::Plane(recordings), _) => return in_the_plane(args, &paths, recordings),
+            (Recordings::Line(_), Some(model)) => {
+                let (line, model) = (files[0].display(), model.display());
+                return Err(Failure::new(format!(
+                    "{line}: is on a line, and {model} is a model in the plane"
+                ))
+                .help("accepted beside it are recordings and models in the plane"));
+            }
+            (Recordings::Line(recordings), None) => recordings,
+        },
+    };
     let measured: Vec<Measured> =
         recordings.iter().map(Measured::new).collect::<std::result::Result<_, _>>()?;
     let (real, rendered, bare) = (&measured[0], &measured[1], measured.get(2));
@@ -92,26 +116,130 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     }
     if args.json.as_deref() != Some(Path::new("-")) {
         print!("{}", text(&comparison));
-        for (what, path) in [("overlay", &args.out), ("json", &args.json)] {
-            if let Some(path) = path {
-                println!("  {what}: {}", path.display());
-            }
+        written(args);
+    }
+    Ok(outcome(args, comparison.verdict))
+}
+
+fn outcome(args: &Args, verdict: Verdict) -> Outcome {
+    match args.expect {
+        Some(expected) if Verdict::from(expected) != verdict => Outcome::ExpectedFindingAbsent,
+        _ => Outcome::Done,
+    }
+}
+
+/// `recordings` are those of `paths` that are no models, in their order.
+fn in_the_plane(args: &Args, paths: &[&PathBuf], recordings: Vec<PlanarRecording>) -> Result<Outcome> {
+    let mut recordings = recordings.into_iter();
+    let mut one = |path: &PathBuf| {
+        if std::fs::read_to_string(path).is_ok_and(|text| PlanarModel::is_planar(&text)) {
+            let model = PlanarModel::read(path).map_err(|e| Failure::in_file(path, e))?;
+            return Ok(PlanarMeasured::of_model(path.display().to_string(), model));
+        }
+        let recording = recordings.next().unwrap_or_default();
+        Ok::<_, Failure>(PlanarMeasured::new(&recording)?)
+    };
+    let measured: Vec<PlanarMeasured> = paths.iter().map(|path| one(path)).collect::<Result<_>>()?;
+    let comparison = compare_planar(&measured[0], &measured[1], measured.get(2), args.margin)?;
+    if let Some(path) = &args.out {
+        files::write(path, planar_overlay(&comparison)?.as_bytes())?;
+    }
+    if let Some(path) = &args.json {
+        files::write_json(path, &comparison)?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) {
+        print!("{}", planar_text(&comparison));
+        written(args);
+    }
+    Ok(outcome(args, comparison.verdict))
+}
+
+fn written(args: &Args) {
+    for (what, path) in [("overlay", &args.out), ("json", &args.json)] {
+        if let Some(path) = path {
+            println!("  {what}: {}", path.display());
         }
     }
-    Ok(match args.expect {
-        Some(expected) if Verdict::from(expected) != comparison.verdict => Outcome::ExpectedFindingAbsent,
-        _ => Outcome::Done,
-    })
+}
+
+/// Faults and notes, a line each.
+fn remarks(faults: &[(String, String)], notes: &[String]) -> String {
+    let faults = faults.iter().map(|(file, why)| format!("  ! {file}: {why}\n"));
+    faults.chain(notes.iter().map(|note| format!("  {note}\n"))).collect()
+}
+
+/// What a hand makes of a distance in JND.
+fn felt([low, high]: [f64; 2]) -> &'static str {
+    if high < 1.0 {
+        "a hand does not notice it"
+    } else if low > 1.0 {
+        "a hand notices it"
+    } else {
+        "at the border of what a hand notices"
+    }
+}
+
+fn said(verdict: Verdict, margin: f64) -> String {
+    let margin = 100.0 * margin;
+    match verdict {
+        Verdict::Same => format!("the same within {margin} %"),
+        Verdict::Different => format!("different by more than {margin} %"),
+        Verdict::Undecided => format!("not decided at {margin} %: a longer recording narrows the interval"),
+    }
+}
+
+fn planar_text(c: &PlanarComparison) -> String {
+    let mut out = remarks(&c.faults, &c.notes);
+    let mut table = Table::new(&[
+        ">motion °",
+        ">mm/s",
+        ">real N",
+        ">rendered N",
+        ">times the real",
+        ">JND N",
+        ">difference in JND",
+        ">points elsewhere by °",
+        ">in JND",
+    ]);
+    let size = |f: [f64; 2]| f[0].hypot(f[1]);
+    let middle = c.points.len() / 3..2 * c.points.len() / 3;
+    for p in &c.points[middle] {
+        table.row([
+            format!("{:+.0}", p.direction.to_degrees()),
+            format!("{:.1}", 1e3 * p.speed),
+            number(size(p.real), 4),
+            number(size(p.rendered), 4),
+            format!("{:.3} ± {:.3}", p.ratio.value, p.ratio.value - p.ratio.ci95[0]),
+            number(p.jnd, 2),
+            format!("{:+.3}", p.level_jnd),
+            format!("{:+.1}", p.turned.to_degrees()),
+            format!("{:+.3}", p.turned_jnd),
+        ]);
+    }
+    out += &table.render();
+    let [low, high] = c.distance.ci95;
+    let _ = writeln!(
+        out,
+        "  distance {:.2} JND ({low:.2} to {high:.2}): {}",
+        c.distance.value,
+        felt(c.distance.ci95)
+    );
+    let end = |p: &PlanarPoint| {
+        let [low, high] = p.ratio.ci95;
+        format!("{:.3} ({low:.3} to {high:.3}) at {:+.0}°", p.ratio.value, p.direction.to_degrees())
+    };
+    let _ = writeln!(
+        out,
+        "  friction {} to {} times the real: {}",
+        end(&c.least),
+        end(&c.most),
+        said(c.verdict, c.margin)
+    );
+    out
 }
 
 fn text(c: &Comparison) -> String {
-    let mut out = String::new();
-    for (file, why) in &c.faults {
-        let _ = writeln!(out, "  ! {file}: {why}");
-    }
-    for note in &c.notes {
-        let _ = writeln!(out, "  {note}");
-    }
+    let mut out = remarks(&c.faults, &c.notes);
     let mut table =
         Table::new(&[">mm/s", ">real N", ">rendered N", ">± N", ">JND N", ">difference in JND", ">weight"]);
     for p in &c.points {
@@ -145,23 +273,19 @@ fn text(c: &Comparison) -> String {
             writeln!(out, "  moving mass {real:.3} kg real, {rendered:.3} kg rendered; not in the distance");
     }
     let [low, high] = c.distance.ci95;
-    let felt = if high < 1.0 {
-        "a hand does not notice it"
-    } else if low > 1.0 {
-        "a hand notices it"
-    } else {
-        "at the border of what a hand notices"
-    };
-    let _ = writeln!(out, "  distance {:.2} JND ({low:.2} to {high:.2}): {felt}", c.distance.value);
+    let _ = writeln!(
+        out,
+        "  distance {:.2} JND ({low:.2} to {high:.2}): {}",
+        c.distance.value,
+        felt(c.distance.ci95)
+    );
     let [low, high] = c.ratio.ci95;
-    let margin = 100.0 * c.margin;
-    let verdict = match c.verdict {
-        Verdict::Same => format!("the same within {margin} %"),
-        Verdict::Different => format!("different by more than {margin} %"),
-        Verdict::Undecided => format!("not decided at {margin} %: a longer recording narrows the interval"),
-    };
-    let _ =
-        writeln!(out, "  friction {:.3} times the real ({low:.3} to {high:.3}): {verdict}", c.ratio.value);
+    let _ = writeln!(
+        out,
+        "  friction {:.3} times the real ({low:.3} to {high:.3}): {}",
+        c.ratio.value,
+        said(c.verdict, c.margin)
+    );
     out
 }
 

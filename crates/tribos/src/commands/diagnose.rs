@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     let files: Vec<&PathBuf> = args.recordings.files.iter().chain(&args.validate).collect();
     let mut train = match reading::read_any(&files, &args.recordings.mapping)? {
         Recorded::Line(recordings) => recordings,
-        Recorded::Plane(recordings) => return in_the_plane(args, &options, &recordings),
+        Recorded::Plane(recordings) => return in_the_plane(args, &options, recordings),
     };
     let validate = train.split_off(args.recordings.files.len());
     let found = {
@@ -95,22 +95,21 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     })
 }
 
-fn in_the_plane(args: &Args, options: &Options, recordings: &[signals::PlanarRecording]) -> Result<Outcome> {
-    if let Some(path) = args.validate.first() {
-        return Err(Failure::new(format!(
-            "--validate {}: accepted with recordings on a line",
-            path.display()
-        ))
-        .help("in the plane findings are judged on blocks of the recordings that were held out"));
-    }
+fn in_the_plane(
+    args: &Args,
+    options: &Options,
+    mut recordings: Vec<signals::PlanarRecording>,
+) -> Result<Outcome> {
+    let validate = recordings.split_off(args.recordings.files.len());
     let main = {
         let bar = Progress::new("diagnosing");
-        diagnose_planar(recordings, options, &|share, what| bar.set(share, what)).map_err(Failure::new)?
+        diagnose_planar(&recordings, &validate, options, &|share, what| bar.set(share, what))
+            .map_err(Failure::new)?
     };
     let found = &main.found;
     let name = recordings.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
     if let Some(path) = &args.results.out {
-        let model = planar::model(&main, recordings).ok_or_else(|| {
+        let model = planar::model(&main, &recordings).ok_or_else(|| {
             Failure::new(format!(
                 "--out {}: a model in the plane holds mass, level by direction, viscous friction and offset only",
                 path.display()

@@ -76,7 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
 }
 
 /// Parameters that an identification in the plane may have.
-const PLANAR: [&str; 13] = [
+const PLANAR: [&str; 14] = [
     "mass",
     "mass_x",
     "mass_y",
@@ -90,6 +90,7 @@ const PLANAR: [&str; 13] = [
     "viscous_yy",
     "offset_x",
     "offset_y",
+    "friction_lag",
 ];
 
 fn in_the_plane(args: &Args, how: &How, recordings: &[signals::PlanarRecording]) -> Result<Outcome> {
