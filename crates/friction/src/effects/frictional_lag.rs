@@ -4,11 +4,13 @@ use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Signature};
 use super::{About, Describe, Parameter, Example, FIRST_OR_BOTH, Quantity, Scale};
 use crate::{Dimension, Motion, Scalar, mean_decay};
 
-/// Frictional memory (Hess and Soom 1990), the lag in Armstrong's seven parameters.
+/// Frictional memory (Hess and Soom 1990), the lag in Armstrong's seven parameters: a delay of the velocity.
 ///
-/// u lags v by a first-order filter of time constant `lag`, which delays a ramp by exactly `lag`.
-/// F = force·(sgn u − sgn v) + stribeck·s·(exp(−|u|/v_s) − exp(−|v|/v_s)), s = sgn v: what F(v(t − T)) has beyond F(v) for a
-/// Coulomb and a Stribeck part. A lagging viscous part is a mass (−b·T·a) and cannot be seen beside one.
+/// F = force·(sgn u − sgn v) + stribeck·(sgn u·exp(−|u|/v_s) − sgn v·exp(−|v|/v_s)), u = v(t − lag): what F(u) has beyond F(v)
+/// for a Coulomb and a Stribeck part. A late viscous part is a mass (−b·lag·a) and cannot be seen beside one.
+///
+/// No past velocities are stored. The direction turns `lag` after that of v, at rest it is the last one; one that turns back
+/// before that does not turn at all. The speed |u| lags by a first-order filter, which delays a ramp by exactly `lag`.
 ///
 /// For `lag` after a reversal the `force` part drives instead of braking, so a rendered one is not passive.
 ///
@@ -30,7 +32,7 @@ impl Describe for FrictionalLag {
     const ABOUT: About = About {
         id: "frictional_lag",
         says: "Friction reacts to a change of speed a moment late.",
-        equation: "force*(sgn(u) - s) + stribeck*s*(exp(-|u|/v_s) - exp(-|v|/v_s)), du/dt = (v - u)/lag",
+        equation: "force*(sgn(u) - s) + stribeck*(sgn(u)*exp(-|u|/v_s) - s*exp(-|v|/v_s)), u(t) = v(t - lag)",
         shows: "an F-v loop that widens with acceleration, in time and not in distance",
         confused_with: "velocity_lag of the estimator (1.0 on one sine), presliding (.89)",
         told_apart_by: "moves with dwells; recomputing the velocity from the position",
@@ -56,25 +58,27 @@ impl Signature for FrictionalLag {
         motion: &Motion<S>,
     ) -> [S; MAX_GAINS] {
         let [lag, v_s] = *shape;
-        let [u, started, before, ..] = memory;
-        let (v, zero) = (motion.velocity, S::zero());
-        let mut change = zero;
+        let [u, before, way, ago] = memory;
+        let (v, dt, zero) = (motion.velocity, motion.dt, S::zero());
         // in units of the lag; a time too short for it to be a number is none
-        let x = motion.dt / lag;
-        if *started == zero {
-            *u = v; // a recording may begin in motion
-            *started = S::one();
+        let x = dt / lag;
+        let (over, turns) = (lag + dt, *way * v.sgn() < zero);
+        if *way == zero {
+            (*u, *way, *ago) = (v, v.sgn(), over); // a recording may begin in motion
         } else if x > zero {
             // exact for a velocity that is straight between samples: held, it would come half a sample less late
-            let keep = (-x).exp();
-            *u = keep * (*u - *before) + v - (v - *before) * mean_decay(x);
-            change = ((v - *u) * x).abs();
+            *u = (-x).exp() * (*u - *before) + v - (v - *before) * mean_decay(x);
+            // v crosses zero where the straight line does; what has not turned yet stays as it is
+            *ago = if !turns { *ago + dt } else if *ago < lag { over } else { v / (v - *before) * dt };
+        }
+        if turns {
+            *way = v.sgn();
         }
         *before = v;
-        let falling = |speed: S| (-(speed.abs() / v_s)).exp();
         // the mean of sgn u over the sample: the moment at which it turns is known better than to a sample
-        let twice = *u + *u;
-        let sign = if twice.abs() < change { twice / change } else { u.sgn() };
-        [sign - v.sgn(), v.sgn() * (falling(*u) - falling(v)), zero, zero]
+        let since = (*ago - lag) * S::lit(2.0);
+        let sign = *way * if since.abs() < dt { since / dt } else { since.sgn() };
+        let falling = |speed: S| (-(speed.abs() / v_s)).exp();
+        [sign - v.sgn(), sign * falling(*u) - v.sgn() * falling(v), zero, zero]
     }
 }

@@ -202,7 +202,7 @@ impl Hidden {
         }
     }
 
-    /// Time constant of frictional lag, s.
+    /// How late friction is, s.
     pub(crate) fn lag(&self) -> Option<f64> {
         (self.kind.id == "frictional_lag").then(|| self.time(1.0))
     }

@@ -9,6 +9,7 @@ use crate::body::{Body, State};
 use crate::hidden::{Bristle, Hidden, REFERENCE};
 use crate::motion::{LOAD, Programme};
 use crate::scale::RATE;
+use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 /// Steps per sample.
@@ -78,11 +79,13 @@ pub(crate) fn run(body: &Body, hidden: &[Hidden], programme: &Programme, seconds
     let renewal = hidden.iter().find_map(Hidden::renewal);
     let mut theta = renewal.map_or(0.0, |d| d / REFERENCE);
     let mut second = second(body, size("compliance"), size("backlash"));
-    let late_by = hidden.iter().find_map(Hidden::lag);
+    // velocities between now and as long ago as friction is late
+    let late_by = hidden.iter().find_map(Hidden::lag).map(|time| (time / h).round() as usize);
+    let mut past: VecDeque<f64> = VecDeque::from(vec![0.0; late_by.unwrap_or(0)]);
     let first_mass = body.mass - second.as_ref().map_or(0.0, |s| s.mass);
 
     let (mut y, mut w, mut real) = (programme.at(0.0), 0.0_f64, 0.0);
-    let (mut age, mut followed, mut late) = (0.0_f64, 0.0, 1.0);
+    let (mut age, mut late) = (0.0_f64, 1.0);
     let (mut a, mut slid) = (0.0_f64, 0.0_f64);
     let mut out = History::default();
     for sample in 0..samples {
@@ -145,11 +148,9 @@ pub(crate) fn run(body: &Body, hidden: &[Hidden], programme: &Programme, seconds
                 theta = (theta + h) / (1.0 + moved.abs() / d);
             }
             age = (age + h) / (1.0 + moved.abs() / 0.02);
-            if let Some(time) = late_by {
-                followed += (w - followed) * (1.0 - (-h / time).exp());
-                if followed != 0.0 {
-                    late = f64::signum(followed);
-                }
+            past.push_back(w);
+            if let Some(followed) = past.pop_front().filter(|w| *w != 0.0) {
+                late = followed.signum();
             }
             if let Some(b) = &mut second {
                 b.w += h / b.mass * hung;
