@@ -197,9 +197,8 @@ fn search<'a>(
     }
 }
 
-/// Names what is left out, with curves over the further columns that the error follows. Such a column may be the cause, or, as
-/// a force that is measured inside the machine, follow the friction: effects that explain the error as well without it are
-/// tried, too.
+/// Names what is left out, with curves over the further columns that the error follows. A column may be the cause of the error
+/// or its consequence, as a force measured inside the machine is: so effects without the columns are tried as well.
 pub(crate) fn name_beside_columns(
     intake: &Intake,
     plain: Regression,

@@ -45,7 +45,7 @@ use signals::{
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Most regions of what was fitted that are told.
+/// Most regions of the motion that are reported.
 const MOST_REGIONS: usize = 12;
 
 /// Share of the time that may be set aside around reversals; where it is more, they are kept.
@@ -368,7 +368,7 @@ impl Run<'_> {
         let mut rejected = rejected(&search, &found, &whole, &not_ruled_out, unit);
         // what is smaller is not named even where it is seen
         let bound = detectable(&rejected).max(to_rms(search.systematic));
-        // what is left could be any of them
+        // while several floors are left, any of them may be part of that
         if to_rms(after) > SEVERAL * floor.rms {
             rejected.clear();
         }
@@ -615,7 +615,7 @@ impl Run<'_> {
     /// Error on the recordings that judge; without any, on the regime left out in which the model does worst.
     fn left_out(&self, judges: &[Judge], found: &Hypothesis, search: &Search) -> Option<LeftOut> {
         let named = &self.named;
-        // a hum is fitted over the whole recording: beside it nothing may be left that a half could predict
+        // a hum is fitted over the whole recording; where it is all that was found, no half can judge it
         if judges.is_empty() && !self.hums.is_empty() && found.atoms.is_empty() && found.free.is_empty() {
             return None;
         }

@@ -147,3 +147,20 @@ fn cogging_beside_an_accelerometer_is_no_wave_on_the_encoder() {
         assert!(d.missing.iter().all(|m| m.effect != "encoder_eccentricity"), "{:?}", d.recording_faults);
     }
 }
+
+/// Two wavelengths on the stroke were too few to be a wave, and a map of position and velocity was told instead.
+#[test]
+fn a_wave_on_the_encoder_that_comes_twice_was_taken_for_a_map() {
+    for (seed, amplitude) in [(520, 3e-5), (521, 6e-5)] {
+        let mut recording = record(&Case { seed, ..Case::default() }).0;
+        let wavelength = 8e-3;
+        let reads = |x: &f64| x + amplitude * (std::f64::consts::TAU * x / wavelength + 0.9).cos();
+        recording.position = recording.position.iter().map(reads).collect();
+        let d = diagnose(&[recording], &[], &Options::default(), &|_, _| ()).expect("a diagnosis");
+        let named: Vec<&str> = d.missing.iter().map(|m| m.effect.as_str()).collect();
+        let found = d.missing[0].parameters["wavelength"].value;
+        println!("{amplitude:.1e} m: {named:?}, {found:.3e} m, {:?}", d.does_not_carry_over);
+        assert_eq!(named.first(), Some(&"encoder_eccentricity"));
+        assert!((found / wavelength - 1.0).abs() < 0.02);
+    }
+}

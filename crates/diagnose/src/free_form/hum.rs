@@ -28,13 +28,13 @@ const FEWEST_PERIODS: f64 = 10.0;
 const BAND: f64 = 1.25;
 /// Ratio of frequencies around a line in which nothing else may be as high.
 const AROUND: f64 = 1.5;
-/// Height of a line over the highest beside it, and over their median, both of the power. What moves with the body, and is
-/// left out, makes many lines.
+/// Power of a line over that of the highest line near it, and over the median near it. Physics of the motion that is left out
+/// makes many lines near each other.
 const OVER_HIGHEST: f64 = 9.0;
 const OVER_MEDIAN: f64 = 40.0;
-/// Largest share of what it gains that a curve over the motion may gain instead: what repeats with the motion is the motion's.
+/// Largest share of its gain that a curve over the motion may explain: more, and it repeats because the motion does.
 const BY_MOTION: f64 = 0.4;
-/// Largest share of the motion at its frequency: a body that a hum shakes moves much less.
+/// Largest share of the motion that may be at its frequency: a hum shakes the body far less.
 const DRIVEN: f64 = 0.1;
 /// Most hums, and most harmonics of one.
 const MOST: usize = 3;
@@ -62,7 +62,7 @@ pub struct Hum {
     gain: [f64; 2],
 }
 
-/// What is left beside the baseline, with the times of the rows.
+/// The rows of a design with their times, for spectra of a residual.
 struct Rest<'a> {
     design: &'a DesignMatrix,
     times: Vec<f64>,
@@ -258,7 +258,7 @@ fn hum(
     })
 }
 
-/// Whether nothing beside the line is nearly as high once it is taken out: its own side lines go with it.
+/// Whether no other line near it is nearly as high. They are compared once it is taken out, with its own side lines.
 fn stands_out(rest: &Rest, before: &Fit, after: &Fit, frequency: f64) -> bool {
     let (with, step) = rest.spectrum(&before.residual);
     let (without, _) = rest.spectrum(&after.residual);

@@ -52,8 +52,14 @@ const FEWEST: usize = 20;
 /// Size of a term over its noise from which on a regime judges it.
 const JUDGES: f64 = 5.0;
 
-/// Fewest wavelengths on the stroke for a line to be one that repeats.
+/// Fewest wavelengths on the stroke for a line to be one that repeats, where a bend explains as much.
 const PERIODS: f64 = 3.0;
+
+/// Share of what a line explains from which on a bend may be what it is: the rest is how six powers differ from a wave.
+const SHARE_OF_BEND: f64 = 0.5;
+
+/// Powers of the position that a bend has, in either direction.
+const POWERS: i32 = 6;
 
 /// Most wavelengths that are each left out in turn.
 const MOST_PERIODS: usize = 12;
@@ -266,7 +272,7 @@ fn on_bound(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
     for (axis, parameter) in atom.term.kind.shape().iter().enumerate() {
         if parameter.scale == Scale::Wavelength {
             let (low, high) = search.scales.stroke;
-            if atom.term.shape[axis] * PERIODS > high - low {
+            if atom.term.shape[axis] * PERIODS > high - low && is_a_bend(search, found, i) {
                 return Some("fewer than three wavelengths on the stroke".into());
             }
         } else if at_end(search, atom, axis) && is_pushed(search, found, i, axis) {
@@ -274,6 +280,36 @@ fn on_bound(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
         }
     }
     None
+}
+
+/// Whether a curve of the position explains most of what the line `i` does: any bend looks like a piece of a wave. A wave of the encoder
+/// is none: it shows with the square of the speed.
+fn is_a_bend(search: &Search, found: &Hypothesis, i: usize) -> bool {
+    let design = search.design;
+    let mut others = found.atoms.clone();
+    others.remove(i);
+    let (low, high) = search.scales.stroke;
+    let mut columns = Hypothesis::columns(design, &others);
+    let around = Basis::of(&columns);
+    let own = Basis::of(&found.atoms[i].outside(&around)).captured(&around.project_out(&design.y));
+    let bends: Vec<Vec<f64>> = (1..=POWERS)
+        .flat_map(|power| {
+            let over = |x: f64| ((2.0 * x - low - high) / (high - low)).powi(power);
+            [false, true].map(|flips| {
+                design.rows(|t| {
+                    let way = |i: usize| if flips { t.sign[i] } else { 1.0 };
+                    t.pass(&(0..t.len()).map(|i| way(i) * over(t.x[i])).collect::<Vec<_>>())
+                })
+            })
+        })
+        .collect();
+    let squared = |columns: &[&[f64]]| {
+        let left = Basis::of(columns).project_out(&design.y);
+        dot(&left, &left)
+    };
+    let before = squared(&columns);
+    columns.extend(bends.iter().map(Vec::as_slice));
+    before - squared(&columns) >= SHARE_OF_BEND * own
 }
 
 /// Error that a line explains over what its neighbours explain of the rest from which on it is one. The best of all
