@@ -1,4 +1,8 @@
-//! Linker arguments of the firmware and of what is timed beside it. On a PC there is nothing to do.
+//! Linker arguments of the firmware and of what is timed beside it, for the chosen board. On a PC there is nothing to do.
+
+/// Cargo features that choose a board, and the regions of its memory.
+const BOARDS: [(&str, &str); 2] =
+    [("nucleo-g474re", "src/board/nucleo_g474re.x"), ("nucleo-l476rg", "src/board/nucleo_l476rg.x")];
 
 fn main() {
     println!("cargo:rerun-if-changed=memory.x");
@@ -6,8 +10,20 @@ fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
+    let feature = |name: &str| format!("CARGO_FEATURE_{}", name.to_uppercase().replace('-', "_"));
+    let chosen: Vec<_> =
+        BOARDS.iter().filter(|(name, _)| std::env::var_os(feature(name)).is_some()).collect();
+    let [(_, regions)] = chosen[..] else {
+        let names = BOARDS.map(|(name, _)| name).join(", ");
+        let count = chosen.len();
+        panic!(
+            "{count} boards chosen: accepted exactly one of the features {names}; another than the first with --no-default-features --features NAME"
+        );
+    };
+    println!("cargo:rerun-if-changed={regions}");
     let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     std::fs::copy("memory.x", format!("{out}/memory.x")).expect("memory.x lies beside Cargo.toml");
+    std::fs::copy(regions, format!("{out}/regions.x")).expect("each board has its regions");
     println!("cargo:rustc-link-search={out}");
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
         println!("cargo:rustc-link-arg-bins={argument}");

@@ -71,6 +71,7 @@ impl ControlLoop {
 
     /// One control period. Turns the count of the inputs round if the encoder is reversed. `raise` is a fault found by the board; it
     /// precedes `off`, which precedes requests of the tasks.
+    #[inline(always)]
     pub fn tick(
         &mut self,
         ends: &mut ControlEnds<'_>,

@@ -13,11 +13,11 @@ use super::{DeskEnds, FaultReport, Handled, OriginReport, Output, Telemetry};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
-use friction::Geometry;
+use friction::{Dimension, Geometry};
 use haptics::number::Text;
 use haptics::{
-    Compensation, Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, Number, Procedure, Refused,
-    Request, Settings, Solver,
+    Compensation, Config, Denied, Device, FaultKind, Limits, ModeId, Monitor, NOMINAL_SUPPLY, Number,
+    Procedure, Refused, Request, Settings, Solver,
 };
 use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, DeviceCommand, IDENTIFIED, LineEditor, MAX_LINE, Name,
@@ -509,7 +509,7 @@ impl Desk {
         let Some(keeping) = &mut self.keeping else { return };
         let Some(since) = keeping.since else {
             keeping.since = Some(board.now_ms());
-            board.store(CALIBRATION_KEY, &calibrate::encode(&self.device));
+            board.store(CALIBRATION_KEY, &calibrate::encode(&self.device.at_supply(NOMINAL_SUPPLY)));
             return;
         };
         let Some(outcome) = outcome(since, board) else { return };
@@ -879,6 +879,14 @@ impl Desk {
         let _ = write!(line, "ok tribos {version} on {}, {rate:.0} Hz, {}", board.name(), board.clock());
         if let Some(level) = board.weak_brown_out() {
             let _ = write!(line, "; option byte BOR_LEV is {level}: 4 resets the chip below 2.8 V");
+        }
+        let device = &self.device;
+        if device.supply != NOMINAL_SUPPLY {
+            let _ = write!(line, "; supply {:.3} V", Text(device.supply));
+            if device.reach() < device.force_max {
+                let unit = Dimension::FORCE.unit(device.geometry);
+                let _ = write!(line, ": the output ends at {:.2} {unit}", Text(device.reach()));
+            }
         }
         self.say(&line);
     }

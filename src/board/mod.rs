@@ -1,10 +1,25 @@
-//! The two boards and their common trait.
+//! The boards and their common traits: [`RealTime`] for the control interrupt, [`Board`] for the tasks.
+//!
+//! [`nucleo`](self) is what the NUCLEO-64 boards share; the feature of a board chooses the file of its chip.
 
 #[cfg(target_os = "none")]
-#[allow(unsafe_code)] // registers; the only place
-pub mod nucleo_g474re;
+#[allow(unsafe_code)] // registers; the only place, with the two below
+pub mod nucleo;
+#[cfg(all(target_os = "none", feature = "nucleo-g474re"))]
+#[allow(unsafe_code)]
+mod nucleo_g474re;
+#[cfg(all(target_os = "none", feature = "nucleo-l476rg"))]
+#[allow(unsafe_code)]
+mod nucleo_l476rg;
+mod real_time;
 #[cfg(not(target_os = "none"))]
 pub mod simulated;
+
+#[cfg(all(target_os = "none", feature = "nucleo-g474re"))]
+use nucleo_g474re as chip;
+#[cfg(all(target_os = "none", feature = "nucleo-l476rg"))]
+use nucleo_l476rg as chip;
+pub use real_time::{RealTime, RealTimeLoop};
 
 use crate::app::Earlier;
 use crate::presets::NotStored;

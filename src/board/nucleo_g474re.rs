@@ -1,4 +1,4 @@
-//! NUCLEO-G474RE: the registers of the control path, and the only `unsafe` of the firmware.
+//! NUCLEO-G474RE: pins, timing contract, and the registers that only its STM32G474 has. The rest is in [`super::nucleo`].
 //!
 //! # Pins
 //!
@@ -26,20 +26,19 @@
 //! * Every encoder edge that TIM2 counts appears on its *encoder clock output* (CR2.MMS = 1000) and makes TIM5,
 //!   free-running at 170 MHz, capture its count (input capture on TRC): the time of the last edge is taken in
 //!   hardware, independent of the processor.
-//! * The interrupt stamps the sample with TIM5, then reads time, count and time of the last edge until both times agree: see
-//!   `encoder`.
+//! * The interrupt stamps the sample with TIM5, then reads time, count and time of the last edge until both times agree.
 //! * The step runs from CCM SRAM and takes 8 to 10 µs (tests/elf, with the waits for memories and buses), and has 19.
 //! * The force is written into the DAC's holding register and put out by TIM7, in phase with TIM6 by
 //!   construction: the output has no software jitter.
 //! * The control interrupt has priority 0, the voltage detector 1, everything else 6 or lower. Only critical sections can delay
 //!   it: those of embassy's timer queue, and one for each line of the log, which never waits.
 //!
-//! **Overrun.** A step that is not done when TIM7 fires gives its force one period late, and is counted ([`late_steps`]); the third in a row
+//! **Overrun.** A step that is not done when TIM7 fires gives its force one period late, and is counted ([`super::nucleo::late_steps`]); the third in a row
 //! latches the fault `late_force`. A
 //! step that is still running at the next JEOS delays the next sample: the stamp shows it, and the control step latches the
 //! fault `missed_deadline`. If steps stop, the enable line falls by hardware
-//! within two periods, see [`mod@enable`]; the console task restarts within 5 ms, and if it cannot, the watchdog resets the
-//! chip within [`WATCHDOG_US`]. After an unexpected reset the loop starts with a latched fault that gives
+//! within two periods, see [`super::nucleo::enable`]; the console task restarts within 5 ms, and if it cannot, the watchdog resets the
+//! chip within [`super::nucleo::WATCHDOG_US`]. After an unexpected reset the loop starts with a latched fault that gives
 //! the reason: `watchdog`, `panic`, `crash`, `brown_out`.
 //!
 //! **Clock.** 170 MHz from the crystal X3. If it does not start, from the internal oscillator, which `version` and `status` say. If
@@ -55,465 +54,195 @@
 //! **Amplifier fault.** Open for three periods in which the amplifier is enabled: likewise. It is not read while the amplifier is
 //! disabled: many report a fault then, or have no supply.
 
-pub mod black_box;
-mod ccm;
-pub mod enable;
-pub mod flash;
-mod last_words;
-mod listener;
-mod pins;
-mod setup;
-mod stop;
-mod timing;
-
-pub use setup::ResetCause;
-pub use stop::{make_safe, restart};
-pub use timing::{LOOP_HZ, TICK_HZ};
-
-use super::Board;
-use crate::app::{Command, Contact, ControlEnds, ControlLoop, Earlier, Lamp};
-use crate::presets::NotStored;
-use core::sync::atomic::{
-    AtomicBool, AtomicPtr, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
-};
-use embassy_executor::SendSpawner;
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
-use embassy_stm32::gpio::{Flex, Level, Output, Speed};
-use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::peripherals::{self, ADC1, IWDG};
-use embassy_stm32::usart::{self, BufferedUart};
-use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_stm32::{bind_interrupts, interrupt, pac, triggers};
-use haptics::{Device, FaultKind, Inputs};
-use pins::{AmplifierFault, EmergencyStop};
-use static_cell::StaticCell;
-use stop::DAC_ZERO;
-use timing::{LATCH_COUNTS, PERIOD_TICKS};
+use embassy_stm32::gpio::{AfType, Flex, Pull};
+use embassy_stm32::interrupt::{Interrupt, Priority};
+use embassy_stm32::peripherals::{self, ADC1, PA0, PA1, PA15, PB3, PC0, PC1, TIM2, TIM5};
+use embassy_stm32::{Config, Peri, bind_interrupts, pac, rcc, triggers, usart};
+use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts, Urs};
 
-/// Time without a healthy loop after which the chip resets, µs.
-pub const WATCHDOG_US: u32 = 50_000;
-/// Baud rate of the serial line.
-pub const BAUD: u32 = 921_600;
-/// Bytes from the serial line that can wait for the listener: 5 ms of the line.
-pub const RX_BYTES: usize = 512;
-/// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
-const RX_WAKE: usize = 32;
+/// Name for people.
+pub const NAME: &str = "NUCLEO-G474RE";
+/// Rate of core, timers and time stamps, Hz.
+pub const TICK_HZ: u32 = 170_000_000;
+/// From the start of conversion to the change of the force, ns. The conversions take 21.5 µs.
+pub const LATCH_NS: u32 = 40_600;
 /// Time from the encoder reading, after the conversions, to the change of the force, s.
-const DELAY_S: f32 = 20e-6;
-/// Longest time from the stamp of a sample to the reading of its edge, ticks: 6 µs.
-const SAMPLING_TICKS: u32 = 1_000;
+pub const DELAY_S: f32 = 20e-6;
+/// Cycles that effects may take: with the worst step they end before the force is latched.
+pub const EFFECT_CYCLES: u32 = 1_130;
+/// Address of bank 2 of the flash. The code is in bank 1.
+pub const BANK_2: u32 = 0x0804_0000;
+/// Address of the presets, the last 10 KiB.
+pub const PRESETS: u32 = 0x0807_d800;
+/// Crystal X3 of the board, Hz.
+const CRYSTAL_HZ: u32 = 24_000_000;
 
-bind_interrupts!(struct Irqs {
+/// The injected conversions, which run for good.
+pub type Converter = InjectedAdc<'static, ADC1, 3>;
+
+/// The serial line of the ST-LINK.
+pub type Serial = peripherals::LPUART1;
+/// Its interrupt.
+pub const SERIAL_INTERRUPT: Interrupt = Interrupt::LPUART1;
+
+bind_interrupts!(pub struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
 });
 
-/// Owned by the interrupt after [`Peripherals::start`]. In this order: see [`ControlLoop`].
-#[repr(C)]
-struct Loop {
-    hardware: Hardware,
-    ends: ControlEnds<'static>,
-    /// Fault raised in the next step.
-    pending: Option<FaultKind>,
-    /// Consecutive steps whose force came out late.
-    late: u32,
-    /// Period of the timers, ticks.
-    period_ticks: u32,
-    /// Whether a fault of the board was raised in the last period.
-    raised: bool,
-    control: ControlLoop,
+/// What the clocks need first.
+pub fn before_clocks() {
+    boost();
 }
 
-/// Option byte BOR_LEV that resets the chip below 2.8 V, before the core misreads anything [ds12288, "Embedded reset and power
-/// control block characteristics"].
-const BROWN_OUT_LEVEL: u8 = 4;
-/// Consecutive late forces that are a fault: the bounds on stiffness and damping hold for [`DELAY_S`], and a late force comes a
-/// period later.
-const LATE_STEPS: u32 = 3;
-
-impl Loop {
-    fn step(&mut self) {
-        let mut inputs = self.hardware.sample();
-        let amplifier = self.hardware.amplifier_fault.is_open(self.hardware.enabled);
-        let trouble = if self.hardware.emergency_stop.is_open(true) {
-            Some(FaultKind::EmergencyStop)
-        } else if amplifier {
-            Some(FaultKind::Amplifier)
-        } else if SUPPLY_LOW.load(Relaxed) {
-            Some(FaultKind::BrownOut)
-        } else {
-            None
-        };
-        // the periods between handle requests, which are answered and denied while the fault lasts
-        self.raised = trouble.is_some() && !self.raised;
-        let raise = self.pending.take().or(if self.raised { trouble } else { None });
-        let step = self.control.steps();
-        let outputs = self.control.tick(&mut self.ends, &mut inputs, raise);
-        self.hardware.drive(outputs.force, self.control.command(), outputs.amplifier && trouble.is_none());
-        black_box::note(step, &outputs);
-        let period_ticks = self.control.period_ticks();
-        if period_ticks != self.period_ticks {
-            setup::change_pace(period_ticks);
-            enable::set_period(period_ticks);
-            self.period_ticks = period_ticks;
-            PERIOD.store(period_ticks, Relaxed);
-        }
-        let cycles = pac::TIM5.cnt().read().wrapping_sub(inputs.sample_ticks);
-        if u32::from(pac::TIM6.cnt().read().cnt()) >= LATCH_COUNTS {
-            LATE.store(LATE.load(Relaxed).wrapping_add(1), Relaxed);
-            self.late += 1;
-        } else {
-            self.late = 0;
-        }
-        if self.late >= LATE_STEPS {
-            (self.late, self.pending) = (0, Some(FaultKind::LateForce));
-        }
-        // no other writer
-        if cycles > WORST.load(Relaxed) {
-            WORST.store(cycles, Relaxed);
-        }
-        STEPS.store(STEPS.load(Relaxed).wrapping_add(1), Relaxed);
-    }
+/// Switches the crystal on.
+pub fn start_crystal() {
+    pac::RCC.cr().modify(|w| w.set_hseon(true));
 }
 
-/// State of the control interrupt: passed once, before it is enabled, and owned by it from then on.
-static LOOP: AtomicPtr<Loop> = AtomicPtr::new(core::ptr::null_mut());
-/// The crystal did not start.
-static INTERNAL_CLOCK: AtomicBool = AtomicBool::new(false);
-/// The supply is below the threshold of the voltage detector.
-static SUPPLY_LOW: AtomicBool = AtomicBool::new(false);
-static STEPS: AtomicU32 = AtomicU32::new(0);
-static LATE: AtomicU32 = AtomicU32::new(0);
-static WORST: AtomicU32 = AtomicU32::new(0);
-static PERIOD: AtomicU32 = AtomicU32::new(PERIOD_TICKS);
-
-/// Number of control steps in this time, ms, at the present rate.
-#[must_use]
-pub fn steps_in_ms(ms: u32) -> u32 {
-    (TICK_HZ / 1_000 * ms).checked_div(PERIOD.load(Relaxed)).unwrap_or(0)
+/// Clocks: 170 MHz from the crystal, or from the internal oscillator without one (boost mode). The AHB is divided by two until
+/// [`full_speed`].
+pub fn clocks(crystal: bool) -> Config {
+    use rcc::{AHBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
+    let mut config = Config::default();
+    // the core falls back to it when the crystal stops
+    config.rcc.hsi = true;
+    config.rcc.boost = true;
+    let freq = embassy_stm32::time::Hertz(CRYSTAL_HZ);
+    config.rcc.hse = crystal.then_some(Hse { freq, mode: HseMode::Oscillator });
+    config.rcc.pll = Some(Pll {
+        source: if crystal { PllSource::HSE } else { PllSource::HSI },
+        prediv: if crystal { PllPreDiv::DIV6 } else { PllPreDiv::DIV4 },
+        mul: PllMul::MUL85,
+        divp: None,
+        divq: None,
+        divr: Some(PllRDiv::DIV2),
+    });
+    config.rcc.sys = Sysclk::PLL1_R;
+    config.rcc.ahb_pre = AHBPrescaler::DIV2;
+    config.rcc.mux.adc12sel = mux::Adcsel::SYS;
+    // not of the bus, whose rate embassy believes to stay halved
+    config.rcc.mux.lpuart1sel = mux::Uartsel::SYS;
+    // every interrupt starts at 0, the highest; that belongs to the control step
+    config.bdma_interrupt_priority = Priority::P6;
+    config
 }
 
-/// Control steps since boot. Wraps.
-#[must_use]
-pub fn steps() -> u32 {
-    STEPS.load(Relaxed)
-}
-
-/// Number of steps that were not done when the DAC latched.
-#[must_use]
-pub fn late_steps() -> u32 {
-    LATE.load(Relaxed)
-}
-
-/// Longest time from sample to the write of the force, core cycles.
-#[must_use]
-pub fn worst_cycles() -> u32 {
-    WORST.load(Relaxed)
-}
-
-/// The control interrupt: end of the injected sequence of ADC1.
-#[interrupt]
-fn ADC1_2() {
-    // SAFETY: null, or passed by `start` for good. No other owner, and the interrupt cannot interrupt itself.
-    if let Some(control) = unsafe { LOOP.load(Acquire).as_mut() } {
-        control.step();
-    }
-}
-
-/// Voltage detector: VDD fell below 2.9 V or is back. A control step may run between any two lines; it sees the flag, or the
-/// pin follows it.
-#[interrupt]
-fn PVD_PVM() {
-    pac::EXTI.pr(0).write(|w| w.set_line(setup::PVD_LINE, true));
-    let low = pac::PWR.sr2().read().pvdo();
-    SUPPLY_LOW.store(low, Relaxed);
-    if low {
-        enable::drop_now();
-        pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
-        // if the supply keeps falling, the chip resets and only this records the reason
-        last_words::keep(FaultKind::BrownOut);
-    } else {
-        last_words::forget();
-    }
-}
-
-/// Peripherals that the control step uses through registers.
-struct Hardware {
-    _adc: InjectedAdc<'static, ADC1, 3>,
-    emergency_stop: Contact<EmergencyStop>,
-    amplifier_fault: Contact<AmplifierFault>,
-    /// Whether the last step wanted the amplifier.
-    enabled: bool,
-}
-
-impl Hardware {
-    /// Reads the latched inputs and clears the interrupt.
-    fn sample(&mut self) -> Inputs {
-        let (sample_ticks, count, edge_ticks) = encoder();
-        pac::ADC1.isr().write(|w| {
-            w.set_jeos(true);
-            w.set_jeoc(true);
-        });
-        // the first conversion after a pause may be wrong [es0430, "ADC: wrong result if conversion done late"]: not used
-        let [load_code, accel_code] = [pac::ADC1.jdr(1).read().jdata(), pac::ADC1.jdr(2).read().jdata()];
-        Inputs { sample_ticks, count, edge_ticks, load_code, accel_code }
-    }
-
-    /// Writes a force to the DAC, which TIM7 latches. Rearms the amplifier's enable line, or drops it at once.
-    fn drive(&mut self, force: f32, command: &Command, amplifier: bool) {
-        if amplifier {
-            let code = dac_code(force, command);
-            pac::DAC1.dhr12r(0).write(|w| w.set_dhr(code));
-            enable::rearm(self.enabled);
-        } else {
-            pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
-            enable::drop_now();
-        }
-        self.enabled = amplifier;
-    }
-}
-
-/// Nearest DAC code of a force, N. Saturates; NaN is no force.
-fn dac_code(force: f32, command: &Command) -> u16 {
-    let code = force * command.code_per_newton + command.to_round;
-    if code.is_nan() {
-        return DAC_ZERO;
-    }
-    // `as` saturates at 0; to the 32 bits in which the processor converts, it is one instruction
-    (code as u32).min(4095) as u16
-}
-
-/// Time of the sample, count, and time of the count's last edge.
+/// Undivided buses, and the clock security system if the crystal runs.
 ///
-/// The stamp comes first, so that every edge after this sample is younger than its stamp, and the next sample finds it within
-/// the period. The time of the edge is read before and after the count: if both readings agree, no edge came in between, and
-/// the count belongs to it. Only an edge whose capture takes longer than two reads is counted but not yet timed; the estimator
-/// waits for its time ([`haptics::estimator`]). Edges are at least 1 µs apart, so the second attempt succeeds; a limit of three
-/// bounds the time.
-#[inline]
-fn encoder() -> (u32, u32, u32) {
+/// A switch to more than 80 MHz must run with the AHB divided by two for a microsecond [rm0440, "System clock (SYSCLK)
+/// selection"]. embassy-stm32 0.6 ends that division with the write that switches, so it is told to keep it.
+pub fn full_speed(crystal: bool) {
+    cortex_m::asm::delay(TICK_HZ / 1_000_000); // 2 µs at half the rate
+    pac::FLASH.acr().modify(|w| w.set_latency(pac::flash::vals::Latency::WS4));
+    while pac::FLASH.acr().read().latency() != pac::flash::vals::Latency::WS4 {}
+    pac::RCC.cfgr().modify(|w| w.set_hpre(pac::rcc::vals::Hpre::DIV1));
+    // the clock of embassy-time, set for the halved bus
+    let tim4 = pac::TIM4;
+    tim4.psc().write_value((TICK_HZ / embassy_time::TICK_HZ as u32 - 1) as u16);
+    tim4.cr1().modify(|w| w.set_urs(Urs::COUNTER_ONLY));
+    tim4.egr().write(|w| w.set_ug(true)); // loads it
+    tim4.cr1().modify(|w| w.set_urs(Urs::ANY_EVENT));
+    if crystal {
+        pac::RCC.cr().modify(|w| w.set_csson(true));
+    }
+}
+
+/// Range 1 boost mode, required above 150 MHz [rm0440, "PWR_CR5"].
+///
+/// `Config::boost` should do this, but stm32-metapac 21 has R1MODE in bit 0 of the register; it is bit 8.
+fn boost() {
+    pac::RCC.apb1enr1().modify(|w| w.set_pwren(true));
+    pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
+}
+
+/// Whether the flash is two banks, as its option bytes say.
+pub fn has_two_banks() -> bool {
+    pac::FLASH.optr().read().dbank()
+}
+
+/// Starts the erasure of the page that FLASH_CR has.
+pub fn start_erasure() {
+    pac::FLASH.cr().modify(|w| w.set_strt(true));
+}
+
+/// Stops the watchdog while a debugger halts the core. The pulse of the enable line runs on.
+pub fn freeze_watchdog_for_debuggers() {
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+}
+
+/// Sets the voltage detector to 2.9 V: below it a 3.3 V regulator has failed.
+pub fn start_voltage_detector() {
+    pac::PWR.cr2().modify(|w| {
+        w.set_pls(6);
+        w.set_pvde(true);
+    });
+}
+
+/// Suits the DAC to the rate of the bus.
+pub fn set_dac_speed() {
+    pac::DAC1.mcr().write(|w| w.set_hfsel(2)); // the bus is faster than 160 MHz
+}
+
+/// TIM2 counts all four quadrature edges of a period through a filter of 94 ns. TIM5 captures its own count on each edge.
+pub fn start_encoder(
+    a: Peri<'static, PA0>,
+    b: Peri<'static, PA1>,
+    _: Peri<'static, PA15>,
+    _: Peri<'static, PB3>,
+) {
+    rcc::enable_and_reset::<TIM2>();
+    rcc::enable_and_reset::<TIM5>();
+    for mut pin in [Flex::new(a), Flex::new(b)] {
+        pin.set_as_af_unchecked(1, AfType::input(Pull::Up));
+        core::mem::forget(pin); // dropping it would disconnect the pin
+    }
     let (tim2, tim5) = (pac::TIM2, pac::TIM5);
-    let stamp = tim5.cnt().read();
-    let mut edge = tim5.ccr(0).read();
-    let mut count = tim2.cnt().read();
-    for _ in 0..3 {
-        let after = tim5.ccr(0).read();
-        if after == edge {
-            break;
+    tim2.ccmr_input(0).write(|w| {
+        for channel in 0..2 {
+            w.set_ccs(channel, CcmrInputCcs::TI4); // its own input
+            w.set_icf(channel, FilterValue::FDTS_DIV2_N8);
         }
-        edge = after;
-        count = tim2.cnt().read();
-    }
-    // an edge since the stamp is at the sample: none is in the future
-    let sample = if edge.wrapping_sub(stamp) < SAMPLING_TICKS { edge } else { stamp };
-    (sample, count, edge)
+    });
+    tim2.smcr().write(|w| w.set_sms(Sms::ENCODER_MODE_3));
+    tim2.cr2().write(|w| w.set_mms(Mms::ENCODER_CLOCK_OUTPUT));
+    tim2.arr().write_value(u32::MAX);
+
+    tim5.arr().write_value(u32::MAX);
+    tim5.smcr().write(|w| w.set_ts(Ts::ITR1)); // TIM2's trigger output
+    tim5.ccmr_input(0).write(|w| w.set_ccs(0, CcmrInputCcs::TRC));
+    tim5.ccer().write(|w| w.set_cce(0, true));
+    tim5.cr1().write(|w| w.set_cen(true));
+    tim2.cr1().write(|w| w.set_cen(true));
 }
 
-/// The board before its loop runs.
-pub struct Peripherals {
-    hardware: Hardware,
-    /// Serial line.
-    pub console: BufferedUart<'static>,
-    /// Watchdog, not yet running.
-    pub watchdog: IndependentWatchdog<'static, IWDG>,
-    /// LD2.
-    pub led: Lamp<Output<'static>>,
-    /// Reason of the start.
-    pub reset_cause: ResetCause,
-}
-
-impl Peripherals {
-    /// Boots the board: clocks, pins, timers, converters. The amplifier is off and the force zero throughout.
-    #[must_use]
-    pub fn boot() -> Self {
-        setup::boost();
-        setup::stack_floats_at_once();
-        setup::guard_stack();
-        let crystal = setup::start_crystal();
-        let p = embassy_stm32::init(setup::clocks(crystal));
-        setup::full_speed(crystal);
-        INTERNAL_CLOCK.store(!crystal, Relaxed);
-        setup::prefetch();
-        setup::freeze_watchdog_for_debuggers();
-        let reset_cause = setup::reset_cause();
-        // first, keep the amplifier off
-        enable::start(p.PB5, PERIOD_TICKS);
-        setup::start_dac();
-        Flex::new(p.PA4).set_as_analog();
-        setup::start_encoder(p.PA0, p.PA1);
-
-        let mut settings = usart::Config::default();
-        settings.baudrate = BAUD;
-        settings.eager_reads = Some(RX_WAKE);
-        static TX: StaticCell<[u8; 1024]> = StaticCell::new();
-        static RX: StaticCell<[u8; RX_BYTES]> = StaticCell::new();
-        // pins and rate are constants: this cannot fail
-        let console = BufferedUart::new(
-            p.LPUART1,
-            p.PA3,
-            p.PA2,
-            TX.init([0; 1024]),
-            RX.init([0; RX_BYTES]),
-            Irqs,
-            settings,
-        )
-        .expect("LPUART1 at 921 600 baud");
-
-        let adc = Adc::new(p.ADC1, AdcConfig::default());
-        pac::ADC1.cfgr2().modify(|w| {
-            w.set_jovse(true);
-            w.set_ovsr(3); // 16 conversions …
-            w.set_ovss(0); // … summed, not shifted: 16 bit
-        });
-        let time = SampleTime::CYCLES6_5;
-        // SAFETY: both belong to the converter, which owns them for good
-        let again = unsafe { p.PC0.clone_unchecked() };
-        let adc = adc.setup_injected_conversions(
-            [(again.degrade_adc(), time), (p.PC0.degrade_adc(), time), (p.PC1.degrade_adc(), time)],
-            triggers::TIM6_TRGO,
-            Exten::RISING_EDGE,
-            true,
-        );
-        Self {
-            hardware: Hardware {
-                _adc: adc,
-                emergency_stop: Contact::new(EmergencyStop::new(p.PC7)),
-                amplifier_fault: Contact::new(AmplifierFault::new(p.PB10)),
-                enabled: false,
-            },
-            console,
-            watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
-            led: Lamp::new(Output::new(p.PA5, Level::Low, Speed::Low)),
-            reset_cause,
-        }
-    }
-
-    /// Flash pages for presets.
-    ///
-    /// # Errors
-    /// The option bytes make one bank of the flash. Pages then have other sizes and places, and the core stalls for 22 ms while
-    /// one is erased, with the last force on.
-    pub fn pages(&mut self) -> Result<flash::Pages, NotStored> {
-        if pac::FLASH.optr().read().dbank() { Ok(flash::Pages::new()) } else { Err(NotStored::SingleBank) }
-    }
-
-    /// Starts the loop in the control interrupt. Returns the peripherals of the tasks.
-    pub fn start(self, control: ControlLoop, ends: ControlEnds<'static>) -> Rest {
-        let Self { hardware, console, watchdog, led, reset_cause } = self;
-        let boot_fault = reset_cause.fault();
-        black_box::open(boot_fault);
-        static RUNNING: StaticCell<Loop> = StaticCell::new();
-        let running = RUNNING.init_with(|| Loop {
-            hardware,
-            control,
-            ends,
-            pending: boot_fault,
-            late: 0,
-            raised: false,
-            period_ticks: PERIOD_TICKS,
-        });
-        LOOP.store(running, Release);
-        interrupt::ADC1_2.set_priority(Priority::P0);
-        interrupt::PVD_PVM.set_priority(Priority::P1); // right below the control step
-        interrupt::LPUART1.set_priority(Priority::P6);
-        interrupt::TIM4.set_priority(Priority::P7); // embassy-time
-        // SAFETY: outside any critical section.
-        unsafe {
-            interrupt::ADC1_2.enable();
-            interrupt::PVD_PVM.enable();
-        }
-        setup::start_voltage_detector();
-        setup::start_pace();
-        Rest { console, watchdog, led, listener: listener::start() }
-    }
-}
-
-/// Peripherals of the tasks while the loop runs.
-pub struct Rest {
-    /// Serial line.
-    pub console: BufferedUart<'static>,
-    /// Watchdog, not yet running.
-    pub watchdog: IndependentWatchdog<'static, IWDG>,
-    /// LD2.
-    pub led: Lamp<Output<'static>>,
-    /// Executor above the tasks.
-    pub listener: SendSpawner,
-}
-
-/// The board as the tasks see it.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Nucleo;
-
-impl Board for Nucleo {
-    fn name(&self) -> &'static str {
-        "NUCLEO-G474RE"
-    }
-
-    fn device(&self) -> Device {
-        // the rig of [thesis, table 3-1] with the clock and rate of this board
-        Device { tick_hz: TICK_HZ, period: 1.0 / LOOP_HZ as f32, delay: DELAY_S, ..Device::default() }
-    }
-
-    fn now_ms(&self) -> u32 {
-        embassy_time::Instant::now().as_millis() as u32
-    }
-
-    fn off(&mut self) {
-        enable::drop_now();
-    }
-
-    fn clock(&self) -> &'static str {
-        if self.clock_is_off() {
-            "internal clock, off by up to 1 %: the crystal does not start"
-        } else {
-            "crystal"
-        }
-    }
-
-    fn clock_is_off(&self) -> bool {
-        INTERNAL_CLOCK.load(Relaxed)
-    }
-
-    fn weak_brown_out(&self) -> Option<u8> {
-        Some(pac::FLASH.optr().read().bor_lev()).filter(|level| *level < BROWN_OUT_LEVEL)
-    }
-
-    fn late_steps(&self) -> u32 {
-        late_steps()
-    }
-
-    fn store(&mut self, key: u8, item: &[u8]) {
-        flash::store(key, item);
-    }
-
-    fn stored(&mut self) -> Option<Result<(), NotStored>> {
-        flash::stored()
-    }
-
-    fn lasting(&self) -> &str {
-        "in flash"
-    }
-
-    fn earlier(&self) -> Option<Earlier> {
-        black_box::earlier()
-    }
-
-    fn forget(&mut self) {
-        black_box::forget();
-    }
-}
-
-/// A fault of the processor itself.
-#[cortex_m_rt::exception]
-unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    make_safe();
-    // SAFETY: a read of a register that only the core writes
-    let cfsr = unsafe { (*cortex_m::peripheral::SCB::PTR).cfsr.read() };
-    black_box::crashed_at(frame.pc(), frame.lr(), cfsr);
-    restart(FaultKind::Crash)
-}
-
-/// An unexpected interrupt.
-#[cortex_m_rt::exception]
-unsafe fn DefaultHandler(_: i16) {
-    restart(FaultKind::Crash)
+/// Load cell and accelerometer: 16 conversions of each, summed, when TIM6 says so. Returns the same sum of the internal reference,
+/// taken before.
+pub fn start_converter(
+    adc: Peri<'static, ADC1>,
+    load: Peri<'static, PC0>,
+    accel: Peri<'static, PC1>,
+) -> (Converter, u32) {
+    let mut adc = Adc::new(adc, AdcConfig::default());
+    pac::ADC1.cfgr2().modify(|w| {
+        w.set_rovse(true);
+        w.set_jovse(true);
+        w.set_ovsr(3); // 16 conversions …
+        w.set_ovss(0); // … summed, not shifted: 16 bit
+    });
+    let mut reference = adc.enable_vrefint();
+    cortex_m::asm::delay(TICK_HZ / 1_000_000 * 12); // its start
+    // 5.8 µs: at least 4 [ds12288, "Embedded internal voltage reference"]
+    let sum = adc.blocking_read(&mut reference, SampleTime::CYCLES247_5).into();
+    pac::ADC1.cfgr2().modify(|w| w.set_rovse(false));
+    let time = SampleTime::CYCLES6_5;
+    // SAFETY: both belong to the converter, which owns them for good
+    let again = unsafe { load.clone_unchecked() };
+    let converter = adc.setup_injected_conversions(
+        [(again.degrade_adc(), time), (load.degrade_adc(), time), (accel.degrade_adc(), time)],
+        triggers::TIM6_TRGO,
+        Exten::RISING_EDGE,
+        true,
+    );
+    (converter, sum)
 }

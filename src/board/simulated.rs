@@ -2,7 +2,7 @@
 
 pub mod flash;
 
-use super::Board;
+use super::{Board, RealTime, RealTimeLoop};
 use crate::app::{Command, ControlLoop, Desk, Listener, Queues};
 use crate::presets::{Library, NotStored};
 use core::fmt::Write;
@@ -198,7 +198,11 @@ pub struct SimulatedBoard {
     /// Count of the rig at power-up. The counter of a board begins at 0, wherever the handle is.
     counted_from: u32,
     hand: Holder,
+    /// Force that the amplifier would put out, N, and whether it is on.
     force: f64,
+    amplifier: bool,
+    /// Outputs of the last control step.
+    outputs: Outputs,
     /// The device that the firmware expects, and the one that is there.
     nominal: Device,
     plant: Device,
@@ -265,6 +269,8 @@ impl SimulatedBoard {
             counted_from,
             hand: Holder::Nobody,
             force: 0.0,
+            amplifier: false,
+            outputs: Outputs::default(),
             command_broken: false,
             milliseconds: 0,
             library,
@@ -273,37 +279,9 @@ impl SimulatedBoard {
         })
     }
 
-    /// One period of the rig under the last force.
-    fn sample(&mut self) -> Inputs {
-        let sensors = self.rig.tick(self.force, &mut self.hand);
-        let count = sensors.count.wrapping_sub(self.counted_from);
-        let count = if self.plant.encoder_reversed { count.wrapping_neg() } else { count };
-        Inputs { count, ..inputs(&sensors) }
-    }
-
     fn periods_in_ms(&self) -> u32 {
         let config = self.rig.config();
         (config.calibration.tick_hz / 1_000).checked_div(config.period_ticks).unwrap_or(1).max(1)
-    }
-
-    /// True if the length changed.
-    fn set_period(&mut self, ticks: u32) -> bool {
-        // an invalid length keeps the old one, and the loop latches a missed deadline
-        ticks != self.rig.config().period_ticks && self.rig.set_period_ticks(ticks).is_ok()
-    }
-
-    fn drive(&mut self, outputs: &Outputs, command: &Command) {
-        let amplifier = &self.plant.command;
-        let (zero, gain) = (f64::from(amplifier.offset_code), f64::from(amplifier.unit_per_code));
-        self.force = match (outputs.amplifier, self.command_broken) {
-            (true, false) => {
-                let apart = gain / f64::from(command.newton_per_code);
-                f64::from(outputs.force) * apart + (f64::from(command.zero) - zero) * gain
-            }
-            // 0 V
-            (true, true) => -zero * gain,
-            (false, _) => 0.0,
-        };
     }
 
     /// Puts another device in place of the one that is there.
@@ -484,6 +462,43 @@ impl SimulatedBoard {
     }
 }
 
+impl RealTime for SimulatedBoard {
+    /// One period of the rig under the last force.
+    fn sample(&mut self) -> Inputs {
+        let force = if self.amplifier { self.force } else { 0.0 };
+        let sensors = self.rig.tick(force, &mut self.hand);
+        let count = sensors.count.wrapping_sub(self.counted_from);
+        let count = if self.plant.encoder_reversed { count.wrapping_neg() } else { count };
+        Inputs { count, ..inputs(&sensors) }
+    }
+
+    fn output(&mut self, force: Option<f32>, command: &Command) {
+        let amplifier = &self.plant.command;
+        let (zero, gain) = (f64::from(amplifier.offset_code), f64::from(amplifier.unit_per_code));
+        self.force = if self.command_broken {
+            // 0 V
+            -zero * gain
+        } else {
+            let apart = gain / f64::from(command.newton_per_code);
+            f64::from(force.unwrap_or(0.0)) * apart + (f64::from(command.zero) - zero) * gain
+        };
+    }
+
+    fn enable(&mut self, on: bool) {
+        self.amplifier = on;
+    }
+
+    fn end(&mut self, _: u32, _: &Inputs, outputs: &Outputs) -> bool {
+        self.outputs = *outputs;
+        false
+    }
+
+    fn pace(&mut self, period_ticks: u32) {
+        // an invalid length keeps the old one, and the loop latches a missed deadline
+        let _ = self.rig.set_period_ticks(period_ticks);
+    }
+}
+
 impl Board for SimulatedBoard {
     fn name(&self) -> &'static str {
         "the simulated rig"
@@ -545,14 +560,12 @@ impl Board for SimulatedBoard {
 /// # Ok::<(), tribos_firmware::board::simulated::Unfit>(())
 /// ```
 pub struct VirtualDevice {
-    board: SimulatedBoard,
-    control: ControlLoop,
+    real_time: RealTimeLoop<SimulatedBoard>,
     desk: Desk,
     queues: Queues,
     listener: Listener,
     input: VecDeque<u8>,
     output: Vec<u8>,
-    outputs: Outputs,
 }
 
 /// An invalid configuration of the virtual device.
@@ -602,14 +615,12 @@ impl VirtualDevice {
         desk.loaded(None, &mut board);
         let control = ControlLoop::new(desk.config().map_err(Unfit::Preset)?);
         Ok(Self {
-            board,
-            control,
+            real_time: RealTimeLoop::new(board, control, None),
             desk,
             queues: Queues::default(),
             listener: Listener::new(),
             input: VecDeque::new(),
             output: Vec::new(),
-            outputs: Outputs::default(),
         })
     }
 
@@ -619,14 +630,14 @@ impl VirtualDevice {
     /// As [`Self::with_flash`].
     pub fn on_device(config: &VirtualConfig, flash: SimulatedFlash, plant: &Device) -> Result<Self, Unfit> {
         let mut device = Self::with_flash(config, flash)?;
-        device.board.replace(plant).map_err(Unfit::Rig)?;
+        device.real_time.board.replace(plant).map_err(Unfit::Rig)?;
         Ok(device)
     }
 
     /// Cuts the power. The flash with the presets remains.
     #[must_use]
     pub fn power_off(self) -> SimulatedFlash {
-        self.board.library.close()
+        self.real_time.board.library.close()
     }
 
     /// Sends bytes to the device.
@@ -656,19 +667,18 @@ impl VirtualDevice {
     /// Advances by one millisecond of virtual time, with as many control periods as the rate has.
     pub fn tick(&mut self) {
         let (mut control_ends, mut desk_ends) = self.queues.split();
-        for _ in 0..self.board.periods_in_ms() {
-            let mut inputs = self.board.sample();
-            self.outputs = self.control.tick(&mut control_ends, &mut inputs, None);
-            self.board.drive(&self.outputs, self.control.command());
-            if self.board.set_period(self.control.period_ticks()) {
+        for _ in 0..self.real_time.board.periods_in_ms() {
+            let before = self.real_time.board.rig.config().period_ticks;
+            self.real_time.step(&mut control_ends);
+            if self.real_time.board.rig.config().period_ticks != before {
                 break;
             }
         }
-        self.board.milliseconds += 1;
+        self.real_time.board.milliseconds += 1;
         let (bytes, _) = self.input.as_slices();
-        let taken = self.desk.receive(bytes, &mut desk_ends, &mut self.board);
+        let taken = self.desk.receive(bytes, &mut desk_ends, &mut self.real_time.board);
         self.input.drain(..taken);
-        self.desk.poll(&mut desk_ends, &mut self.board);
+        self.desk.poll(&mut desk_ends, &mut self.real_time.board);
         let mut room = BYTES_PER_PERIOD.min(UNREAD.saturating_sub(self.output.len()));
         while room > 0 {
             let front = self.desk.output().front();
@@ -696,7 +706,7 @@ impl VirtualDevice {
                 break;
             }
         }
-        if self.outputs.referenced {
+        if self.real_time.board.outputs.referenced {
             return Ok(());
         }
         let said = String::from_utf8_lossy(&said);
@@ -706,19 +716,19 @@ impl VirtualDevice {
     /// Outputs of the last control step.
     #[must_use]
     pub fn outputs(&self) -> &Outputs {
-        &self.outputs
+        &self.real_time.board.outputs
     }
 
     /// State of the control loop.
     #[must_use]
     pub fn state(&self) -> &haptics::State {
-        self.control.state()
+        self.real_time.control().state()
     }
 
     /// Mode of the control loop.
     #[must_use]
     pub fn mode(&self) -> ModeId {
-        self.outputs.mode
+        self.real_time.board.outputs.mode
     }
 
     /// Name of the active preset.
@@ -730,13 +740,13 @@ impl VirtualDevice {
     /// True state of the rig.
     #[must_use]
     pub fn truth(&self) -> Truth {
-        self.board.rig.truth()
+        self.real_time.board.rig.truth()
     }
 
     /// Control period, s.
     #[must_use]
     pub fn period(&self) -> f64 {
-        self.board.rig.config().period()
+        self.real_time.board.rig.config().period()
     }
 
     /// The device as the firmware knows it: its settings and calibration.
@@ -747,7 +757,7 @@ impl VirtualDevice {
 
     /// Puts a hand on the handle.
     pub fn hold(&mut self, hand: Holder) {
-        self.board.hand = hand;
+        self.real_time.board.hand = hand;
     }
 
     /// Mounts a real block of `mass`, kg, with friction by `law` and concealed effects. Mass 0 removes it.
@@ -760,6 +770,6 @@ impl VirtualDevice {
         law: Karnopp<f64>,
         concealed: &[Effect<f64>],
     ) -> Result<(), Invalid> {
-        self.board.set_block(mass, law, concealed)
+        self.real_time.board.set_block(mass, law, concealed)
     }
 }

@@ -10,7 +10,7 @@ use embedded_io_async::Write;
 use haptics::FaultKind;
 use heapless_spsc::spsc::Consumer;
 use tribos_firmware::app::{Desk, DeskEnds};
-use tribos_firmware::board::nucleo_g474re::{self as board, Nucleo};
+use tribos_firmware::board::nucleo::{self as board, Nucleo};
 
 /// Bytes per write. A write is accepted completely or not at all.
 const PIECE: usize = 64;

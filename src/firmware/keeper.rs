@@ -1,6 +1,6 @@
 //! Task that stores presets, the only one that uses the flash.
 
-use tribos_firmware::board::nucleo_g474re::flash::{Pages, Wanted};
+use tribos_firmware::board::nucleo::flash::{Pages, Wanted};
 use tribos_firmware::presets::{Library, NotStored};
 
 #[embassy_executor::task]

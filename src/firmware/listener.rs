@@ -4,7 +4,7 @@ use embassy_stm32::usart::BufferedUartRx;
 use embedded_io_async::Read;
 use heapless_spsc::spsc::Producer;
 use tribos_firmware::app::{Listener, OffSwitch};
-use tribos_firmware::board::nucleo_g474re as board;
+use tribos_firmware::board::nucleo as board;
 
 /// Bytes that can wait for the console: two pasted pages, 88 ms of the line.
 pub const WAITING: usize = 8192;

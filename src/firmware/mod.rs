@@ -2,7 +2,7 @@
 //!
 //! | what | where | every |
 //! | --- | --- | --- |
-//! | [`ControlLoop`] | interrupt, priority 0 ([`nucleo_g474re`]) | 1 ms |
+//! | [`ControlLoop`] | interrupt, priority 0 ([`nucleo`]) | 1 ms |
 //! | serial line in and out of its buffers | interrupt, priority 6 | byte |
 //! | [`listener`]: bytes of the serial line, `off` | task in an interrupt, priority 7 | idle line |
 //! | [`console`]: commands, answers, frames | task | 1 ms |
@@ -24,7 +24,7 @@ use listener::WAITING;
 use static_cell::StaticCell;
 use tribos_firmware::app::{ControlLoop, Desk, Queues};
 use tribos_firmware::board::Board;
-use tribos_firmware::board::nucleo_g474re::{self, Nucleo, Peripherals};
+use tribos_firmware::board::nucleo::{self, Nucleo, Peripherals};
 use tribos_firmware::presets::Library;
 
 static QUEUES: StaticCell<Queues> = StaticCell::new();
@@ -64,10 +64,10 @@ async fn main(spawner: Spawner) {
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    nucleo_g474re::make_safe();
+    nucleo::make_safe();
     if let Some(place) = info.location() {
-        nucleo_g474re::black_box::panicked_at(place);
+        nucleo::black_box::panicked_at(place);
     }
     defmt::error!("{}", defmt::Display2Format(info));
-    nucleo_g474re::restart(haptics::FaultKind::Panic)
+    nucleo::restart(haptics::FaultKind::Panic)
 }

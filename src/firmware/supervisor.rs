@@ -5,7 +5,7 @@ use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_time::{Duration, Ticker};
 use tribos_firmware::app::Lamp;
-use tribos_firmware::board::nucleo_g474re as board;
+use tribos_firmware::board::nucleo as board;
 
 /// Period of the check, ms.
 const LOOK_MS: u64 = 10;

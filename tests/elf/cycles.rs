@@ -163,6 +163,7 @@ pub fn cycles_of_every_effect() {
     let without = worst(&mut board);
     println!("{:32} {:>6} {:>6} {:>6}", "control interrupt with, cycles:", "mean", "worst", "listed");
     println!("{:32} {:>6.0} {:>6.0}", "no effect", without.mean(), without.max);
+    let mut beyond = Vec::new();
     for kind in EffectKind::ALL {
         board.ok("preset use teflon");
         let mut set = false;
@@ -178,8 +179,11 @@ pub fn cycles_of_every_effect() {
         let told = effect_cycles(*kind);
         println!("{:32} {:>6.0} {:>6.0} {told:>6}", kind.id(), with.mean(), with.max);
         let added = with.max - without.max - HAVING_EFFECTS;
-        assert!(added <= f64::from(told), "{}: {added} cycles, listed with {told}", kind.id());
+        if added > f64::from(told) {
+            beyond.push(format!("{}: {added} cycles, listed with {told}", kind.id()));
+        }
     }
+    assert!(beyond.is_empty(), "{beyond:?}");
 }
 
 /// The most expensive step that validation allows: the dearest law, and effects up to their limit.

@@ -29,6 +29,7 @@ mod rate;
 mod rendering;
 mod safety;
 mod selftest;
+mod supply;
 mod track;
 #[path = "../common/typist.rs"]
 mod typist;
@@ -53,6 +54,9 @@ fn main() -> ExitCode {
             agreement::target_and_host_search_the_stops_bit_for_bit,
             black_box::a_reset_reports_its_reason_and_motion,
             black_box::a_crash_keeps_the_first_fault,
+            supply::a_low_supply_changes_no_force,
+            supply::a_low_supply_changes_no_reading_of_the_load_cell,
+            supply::a_calibration_outlives_another_supply,
             clock::a_board_without_its_crystal_runs_and_says_so,
             clock::a_crystal_that_stops_takes_the_force_and_the_device_goes_on_without_it,
             clock::an_internal_clock_off_by_one_percent_loses_no_step_and_no_byte,

@@ -246,8 +246,9 @@ impl Pair {
             if self.follower.last.1 != 0 && !self.say("clear", Some(Typed::Ask(Request::ClearFault))) {
                 continue;
             }
-            if !self.follower.referenced {
-                assert!(self.say("zero", Some(Typed::Ask(Request::Zero))));
+            // refused while the handle still moves
+            if !self.follower.referenced && !self.say("zero", Some(Typed::Ask(Request::Zero))) {
+                continue;
             }
             if self.say("render on", Some(Typed::Ask(Request::Render(true)))) {
                 return;

@@ -97,11 +97,16 @@ pub struct Device {
     pub compensation: Compensation,
     /// Cut-off of the second-order low-pass on the excitation command, Hz [thesis, ch. 3.5.2].
     pub command_cutoff_hz: f32,
+    /// Reference of both converters, V: the codes of all channels are at this supply.
+    pub supply: f32,
 }
 
 /// Share of the actuator's force that a contact may use while the middle of the stroke is unknown: 2.8 N by default. A hand holds
 /// it easily, and pushed from anywhere into a stop the handle stays below half of the overspeed.
 const UNREFERENCED: f32 = 0.3;
+
+/// Supply of data sheets, settings and stored calibrations, V.
+pub const NOMINAL_SUPPLY: f32 = 3.3;
 
 /// Control rates of a board, Hz. The first is that after a start.
 pub const RATES: &[u32] = &[1_000, 2_000, 5_000, 10_000, 20_000];
@@ -147,6 +152,29 @@ impl Device {
     #[must_use]
     pub fn held_margin(&self) -> f32 {
         self.length(1e-3)
+    }
+
+    /// The same device with converters at another supply, V: a voltage at a pin has another code.
+    ///
+    /// ```
+    /// let nominal = haptics::Device::default();
+    /// let low = nominal.at_supply(3.2);
+    /// // 1 V at the load cell's pin, as each converter codes it
+    /// let [a, b] = [(nominal, 3.3), (low, 3.2)].map(|(d, volt)| d.load.to_si((65_536.0 / volt) as u16));
+    /// assert!((a - b).abs() < 2e-3, "one code is 1.4 mN");
+    /// ```
+    #[must_use]
+    pub fn at_supply(mut self, supply: f32) -> Self {
+        if supply != self.supply {
+            let ratio = supply / self.supply;
+            let Sheet { command, load, accel } = &mut self.sheet;
+            for channel in [&mut self.command, &mut self.load, &mut self.accel, command, load, accel] {
+                channel.offset_code /= ratio;
+                channel.unit_per_code *= ratio;
+            }
+            self.supply = supply;
+        }
+        self
     }
 
     /// The device with what follows from its settings: limits at rest, gains of the excitation, largest acceleration.
@@ -204,6 +232,7 @@ impl Default for Device {
             accel: Sheet::RIG.accel,
             sheet: Sheet::RIG,
             acceleration_max: ACCELERATION_MAX,
+            supply: NOMINAL_SUPPLY,
             // the sum of 16 12-bit conversions is at most 65 520
             rail_codes: 32,
             stroke: STROKE,

@@ -3,15 +3,15 @@
 //! A negative `resolution` or gain is a signal that is reversed. Every range depends on other settings, so that a device is set
 //! as a whole: [`Device::set`] one by one, then [`Device::check`].
 
-use crate::{Accepted, Channel, Device, Reason, Refused, SetError, number, settings::SetWhy};
+use crate::{Accepted, Channel, Device, NOMINAL_SUPPLY, Reason, Refused, SetError, number, settings::SetWhy};
 use friction::{Dimension, Geometry, Unit};
 
-/// Reference voltage of both converters, V.
-const SUPPLY: f32 = 3.3;
 /// Voltage from the middle of the range to its ends, V.
-const HALF: f32 = 0.5 * SUPPLY;
+const HALF: f32 = 0.5 * NOMINAL_SUPPLY;
 /// The same for the output: its buffer ends 0.2 V from the rails [ds12288, "DAC characteristics"].
-const OUTPUT: f32 = HALF - 0.2;
+const OUTPUT: f32 = HALF - RAIL;
+/// Distance of the output from its rails, V.
+const RAIL: f32 = 0.2;
 /// Codes of the sensors' converter, and of the output.
 const ADC_CODES: f32 = 65_536.0;
 const DAC_CODES: f32 = 4_096.0;
@@ -99,9 +99,9 @@ impl Device {
             "damping" => self.damping,
             "overspeed" => self.overspeed,
             "force_max" => self.force_max,
-            "force_gain" => self.sheet.command.unit_per_code * (DAC_CODES / SUPPLY),
-            "load_gain" => self.sheet.load.unit_per_code * (ADC_CODES / SUPPLY),
-            "accel_gain" => self.sheet.accel.unit_per_code * (ADC_CODES / SUPPLY),
+            "force_gain" => self.sheet.command.unit_per_code * (DAC_CODES / self.supply),
+            "load_gain" => self.sheet.load.unit_per_code * (ADC_CODES / self.supply),
+            "accel_gain" => self.sheet.accel.unit_per_code * (ADC_CODES / self.supply),
             _ => return None,
         }))
     }
@@ -134,15 +134,15 @@ impl Device {
             "force_max" => self.force_max = x,
             // a calibration ends with the gain it was made for
             "force_gain" => {
-                self.sheet.command.unit_per_code = x * (SUPPLY / DAC_CODES);
+                self.sheet.command.unit_per_code = x * (self.supply / DAC_CODES);
                 self.command = self.sheet.command;
             }
             "load_gain" => {
-                self.sheet.load.unit_per_code = x * (SUPPLY / ADC_CODES);
+                self.sheet.load.unit_per_code = x * (self.supply / ADC_CODES);
                 self.load = self.sheet.load;
             }
             _ => {
-                self.sheet.accel.unit_per_code = x * (SUPPLY / ADC_CODES);
+                self.sheet.accel.unit_per_code = x * (self.supply / ADC_CODES);
                 self.accel = self.sheet.accel;
             }
         }
@@ -150,19 +150,20 @@ impl Device {
         Ok(())
     }
 
-    /// Largest force that the output gives both ways with its calibration, N.
+    /// Largest force that the output gives both ways with its calibration, N, at this supply.
     #[must_use]
     pub fn reach(&self) -> f32 {
         let Channel { offset_code, unit_per_code } = self.command;
-        let (low, high) = ((HALF - OUTPUT) * (DAC_CODES / SUPPLY), (HALF + OUTPUT) * (DAC_CODES / SUPPLY));
+        let (low, high) =
+            (RAIL * (DAC_CODES / self.supply), (self.supply - RAIL) * (DAC_CODES / self.supply));
         unit_per_code.abs() * (offset_code - low).min(high - offset_code)
     }
 
     /// Accepted magnitudes of a setting with the others as they are, and what bounds them.
     fn range(&self, name: &str) -> Option<(f32, f32, Reason)> {
         let d = self;
-        let force_gain = d.sheet.command.unit_per_code.abs() * (DAC_CODES / SUPPLY);
-        let load_gain = d.sheet.load.unit_per_code.abs() * (ADC_CODES / SUPPLY);
+        let force_gain = d.sheet.command.unit_per_code.abs() * (DAC_CODES / self.supply);
+        let load_gain = d.sheet.load.unit_per_code.abs() * (ADC_CODES / self.supply);
         Some(match name {
             "stroke" => (
                 (COUNTS.0 * d.metre_per_count).max(d.overspeed / STROKES.1),
@@ -255,8 +256,10 @@ impl Device {
     /// # Errors
     /// The first one out of its range, with the magnitudes that would be accepted while the others stay.
     pub fn check(&self, changed: impl Fn(&str) -> bool) -> Result<(), Refused> {
+        // what is accepted does not depend on the supply of the day
+        let nominal = self.at_supply(NOMINAL_SUPPLY);
         let (first, rest) = (|s: &&DeviceSetting| changed(s.name), |s: &&DeviceSetting| !changed(s.name));
-        DEVICE_SETTINGS.iter().filter(first).try_for_each(|setting| self.check_one(setting))?;
-        DEVICE_SETTINGS.iter().filter(rest).try_for_each(|setting| self.check_one(setting))
+        DEVICE_SETTINGS.iter().filter(first).try_for_each(|setting| nominal.check_one(setting))?;
+        DEVICE_SETTINGS.iter().filter(rest).try_for_each(|setting| nominal.check_one(setting))
     }
 }

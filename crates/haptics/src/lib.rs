@@ -46,7 +46,7 @@ pub mod wave;
 pub use compensation::Compensation;
 pub use config::Config;
 pub use control::Control;
-pub use device::{Channel, Device, RATES, Sheet};
+pub use device::{Channel, Device, NOMINAL_SUPPLY, RATES, Sheet};
 pub use device_settings::{DEVICE_SETTINGS, DeviceSetting, DeviceValue};
 pub use estimator::Estimator;
 pub use excitation::Excitation;

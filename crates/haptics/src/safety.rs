@@ -47,6 +47,11 @@ impl Guard {
         self.silence.afresh();
     }
 
+    /// Learns the offsets of the sensors from the start: the supply is their reference, and it broke down.
+    pub(crate) fn forget_offsets(&mut self) {
+        self.silence = Silence::default();
+    }
+
     /// See [`Silence::share`].
     pub(crate) fn unseen(&self, silence: &Bounds) -> f32 {
         self.silence.share(silence)

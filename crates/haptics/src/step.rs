@@ -237,6 +237,9 @@ impl State {
         let room = if drives { 0.0 } else { config.held };
         match request {
             Request::Raise(kind) => {
+                if *kind == FaultKind::BrownOut {
+                    self.guard.forget_offsets();
+                }
                 self.latch(config, *kind, inputs.sample_ticks, handle);
                 Ok(())
             }

@@ -6,6 +6,7 @@ use crate::app::{DeskEnds, calibrate};
 use crate::board::Board;
 use crate::presets::NotStored;
 use core::fmt::Write;
+use haptics::NOMINAL_SUPPLY;
 use link::{CALIBRATION_KEY, Change, MAX_ITEM, Name, PresetCommand, PresetError};
 
 impl Desk {
@@ -13,8 +14,8 @@ impl Desk {
     pub fn load(&mut self, key: u8, item: &[u8]) {
         if key != CALIBRATION_KEY {
             self.presets.load(key, item);
-        } else if let Some(device) = calibrate::decode(item, &self.device) {
-            self.replaced(device);
+        } else if let Some(device) = calibrate::decode(item, &self.device.at_supply(NOMINAL_SUPPLY)) {
+            self.replaced(device.at_supply(self.device.supply));
         }
     }
 

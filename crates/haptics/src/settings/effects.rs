@@ -26,14 +26,14 @@ pub fn effect_cycles(kind: EffectKind) -> u32 {
         EffectKind::NonlinearSpring | EffectKind::HardStop | EffectKind::QuadraticDrag => 120,
         EffectKind::LoadDependentFriction => 130,
         EffectKind::PositionDependentFriction => 160,
-        EffectKind::FrictionDrift | EffectKind::Presliding => 240,
+        EffectKind::FrictionDrift | EffectKind::Presliding => 250,
         EffectKind::Gravity => 330,
         EffectKind::TorqueRipple => 370,
         EffectKind::PeriodicFriction => 370,
         EffectKind::Cogging => 400,
         EffectKind::RisingStaticFriction => 350,
-        EffectKind::FrictionalLag => 530,
-        EffectKind::Stribeck | EffectKind::SublinearViscous => 590,
+        EffectKind::FrictionalLag => 560,
+        EffectKind::Stribeck | EffectKind::SublinearViscous => 600,
         _ => 800,
     }
 }

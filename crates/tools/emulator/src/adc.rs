@@ -1,4 +1,5 @@
-//! ADC1: the injected sequence with its trigger, sampling times, oversampling and clock.
+//! ADC1: the injected sequence with its trigger, sampling times, oversampling and clock; one regular conversion at a time, which
+//! ends at once.
 
 use crate::{UNITS_PER_MS, units_per_cycle};
 
@@ -13,9 +14,17 @@ const JSQR: u32 = 0x4c;
 const TR1: u32 = 0x20;
 const TR2: u32 = 0x24;
 const TR3: u32 = 0x28;
+const SQR1: u32 = 0x30;
+const DR: u32 = 0x40;
 const JDR1: u32 = 0x80;
 const CALFACT: u32 = 0xb4;
 const CCR: u32 = 0x308;
+
+/// Input of the internal reference, and what the factory reads of it at 3.0 V, a code of 12 bits.
+pub(crate) const REFERENCE: u32 = 18;
+pub(crate) const FACTORY_REFERENCE: u16 = 1654;
+/// Shortest sampling time of the reference, ns [ds12288, "Embedded internal voltage reference"].
+const REFERENCE_NS: u64 = 4_000;
 
 /// What a calibration finds.
 const CALIBRATED: u32 = 0x40;
@@ -121,9 +130,29 @@ impl Adc {
         self.set(CR, new);
     }
 
-    fn oversampling(&self) -> (u64, u32) {
+    /// A regular conversion that was asked for. `level` as in [`Self::trigger`].
+    pub fn convert(&mut self, kernel_hz: u64, level: impl Fn(u32) -> u16) {
+        let cr = self.reg(CR);
+        let clock = self.clock(kernel_hz);
+        if cr & 5 != 5 || clock == 0 {
+            return;
+        }
+        let channel = self.reg(SQR1) >> 6 & 0x1f;
+        let (ratio, shift) = self.oversampling(1);
+        let on = channel != REFERENCE || self.reg(CCR) >> 22 & 1 != 0;
+        if channel == REFERENCE && self.sampling(channel) * 500_000_000 / clock < REFERENCE_NS {
+            self.violation = Some("ADC1 samples the internal reference for less than 4 us".into());
+        }
+        let sum = if on { (u64::from(level(channel)) * ratio) >> 4 } else { 0 };
+        self.set(DR, (sum.min(ratio * 4095) >> shift) as u32);
+        self.set(ISR, self.reg(ISR) | 0xc);
+        self.set(CR, cr & !4);
+    }
+
+    /// Ratio and shift of the conversions that this bit of CFGR2 oversamples: 1 for regular ones, 2 for injected ones.
+    fn oversampling(&self, which: u32) -> (u64, u32) {
         let cfgr2 = self.reg(CFGR2);
-        if cfgr2 & 2 == 0 { (1, 0) } else { (2 << (cfgr2 >> 2 & 7), cfgr2 >> 5 & 0xf) }
+        if cfgr2 & which == 0 { (1, 0) } else { (2 << (cfgr2 >> 2 & 7), cfgr2 >> 5 & 0xf) }
     }
 
     /// A timer's trigger output. `level` gives the 16-bit level of an input, 0xffff at the reference.
@@ -144,7 +173,7 @@ impl Adc {
         if self.reg(CALFACT) == 0 {
             self.violation = Some("ADC1 used without its calibration".into());
         }
-        let (ratio, shift) = self.oversampling();
+        let (ratio, shift) = self.oversampling(2);
         let mut half_cycles = 0;
         let mut results = [0; 4];
         for (rank, result) in results.iter_mut().enumerate().take((jsqr & 3) as usize + 1) {
@@ -244,6 +273,25 @@ mod tests {
         assert_eq!(adc.trigger(6, UNITS_PER_MS, 170_000_000, level), Triggered::Started);
         adc.advance(adc.next_event());
         assert_eq!((adc.read(JDR1), adc.read(JDR1 + 4)), (37_500, 65_520));
+    }
+
+    #[test]
+    fn the_reference_reads_as_in_the_factory_at_3_volt() {
+        let mut adc = board();
+        adc.write(CR, 1 << 28 | 1 | 0x20);
+        adc.write(CFGR2, 1 | 3 << 2);
+        adc.write(SQR1, REFERENCE << 6);
+        let read = |adc: &mut Adc| {
+            adc.write(CR, 1 << 28 | 5);
+            adc.convert(170_000_000, |_| FACTORY_REFERENCE << 4);
+            (adc.read(DR), adc.read(ISR) & 0xc, adc.violation.take())
+        };
+        let (off, done, too_short) = read(&mut adc);
+        assert_eq!((off, done), (0, 0xc), "the reference is off");
+        assert!(too_short.is_some());
+        adc.write(CCR, 2 << 18 | 1 << 22);
+        adc.write(SMPR2, 6 << 24);
+        assert_eq!(read(&mut adc), (16 * u32::from(FACTORY_REFERENCE), 0xc, None));
     }
 
     #[test]

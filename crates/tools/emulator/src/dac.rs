@@ -11,7 +11,7 @@ const SHHR: u32 = 0x48;
 const SHRR: u32 = 0x4c;
 
 /// 0.2 V of 3.3 V.
-const RAIL_CODES: u16 = 248;
+const RAIL_CODES: f64 = 248.0;
 
 /// TSEL of each timer's trigger output [rm0440, "DAC1 interconnection"]: (code, timer).
 pub(crate) const TRIGGERS: [(u32, u8); 7] = [(1, 8), (2, 7), (3, 15), (4, 2), (5, 4), (7, 6), (8, 3)];
@@ -40,11 +40,15 @@ impl Dac {
         (self.cr & 1 != 0).then_some(self.output)
     }
 
-    /// The same at the pin: the buffer, unless it is off, does not come nearer to the rails of 3.3 V than 0.2 V [ds12288, "DAC
-    /// characteristics"].
-    pub fn output_code(&self) -> Option<u16> {
+    /// Voltage at the pin with a supply of so many mV, as a code at 3.3 V. The buffer, unless it is off, does not come nearer to
+    /// the rails than 0.2 V [ds12288, "DAC characteristics"].
+    pub fn output_code(&self, millivolt: u32) -> Option<f64> {
         let buffered = matches!(self.read(MCR) & 7, 0 | 1);
-        self.code().map(|code| if buffered { code.clamp(RAIL_CODES, 4096 - RAIL_CODES) } else { code })
+        let supply = f64::from(millivolt) / 3300.0;
+        self.code().map(|code| {
+            let code = f64::from(code) * supply;
+            if buffered { code.clamp(RAIL_CODES, 4096.0 * supply - RAIL_CODES) } else { code }
+        })
     }
 
     pub fn read(&self, offset: u32) -> u32 {
@@ -109,13 +113,16 @@ mod tests {
     fn the_buffer_ends_before_the_rails() {
         let mut dac = Dac::new();
         dac.write(CR, 1);
-        for (code, buffered) in [(0, 248), (100, 248), (2048, 2048), (4095, 3848)] {
+        for (code, buffered) in [(0, 248.0), (100, 248.0), (2048, 2048.0), (4095, 3848.0)] {
             dac.write(DHR12R1, code);
             dac.write(MCR, 0);
-            assert_eq!(dac.output_code(), Some(buffered));
+            assert_eq!(dac.output_code(3300), Some(buffered));
             dac.write(MCR, 2);
-            assert_eq!(dac.output_code(), Some(code as u16));
+            assert_eq!(dac.output_code(3300), Some(f64::from(code)));
         }
+        // 1.5 V of 3.0 V
+        dac.write(DHR12R1, 2048);
+        assert!((dac.output_code(3000).expect("on") * 3.3 / 4096.0 - 1.5).abs() < 1e-9);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The chip: peripherals by address, and their connections.
 
-use crate::adc::{Adc, Triggered};
+use crate::adc::{Adc, FACTORY_REFERENCE, REFERENCE, Triggered};
 use crate::dac::Dac;
 use crate::flash::Flash;
 use crate::gpio::Gpio;
@@ -153,10 +153,10 @@ impl Soc {
         port.output_high(ENABLE_PIN) || pulse
     }
 
-    /// Input of the amplifier: a code while it is enabled and the DAC drives its pin.
-    fn force_code(&self, now: u64) -> Option<u16> {
+    /// Input of the amplifier: a code at 3.3 V while it is enabled and the DAC drives its pin.
+    fn force_code(&self, now: u64) -> Option<f64> {
         let driven = self.gpio[0].analog(4);
-        self.dac.output_code().filter(|_| self.amplifier_on(now) && driven)
+        self.dac.output_code(self.supply.millivolt()).filter(|_| self.amplifier_on(now) && driven)
     }
 
     pub fn watchdog_due(&self, now: u64) -> bool {
@@ -272,6 +272,9 @@ impl Soc {
             ADC1..DAC1 => {
                 if self.gate(ADC_GATE, "ADC1") {
                     self.adc.write(address - ADC1, value);
+                    let millivolt = self.supply.millivolt();
+                    self.adc.convert(self.rcc.adc12(), |channel| level(&self.world, millivolt, channel));
+                    self.violations.extend(self.adc.violation.take());
                 }
             }
             DAC1..0x5000_0c00 => {
@@ -423,8 +426,8 @@ impl Soc {
     /// Handles a pulse on the trigger output of a timer.
     fn trigger(&mut self, timer: u8, at: u64) {
         let wired = self.gpio[2].analog(0) && self.gpio[2].analog(1);
-        let world = &self.world;
-        let level = |channel| if wired { world.level(channel) } else { 0 };
+        let (world, millivolt) = (&self.world, self.supply.millivolt());
+        let level = |channel| if wired { level(world, millivolt, channel) } else { 0 };
         match self.adc.trigger(timer, at, self.rcc.adc12(), level) {
             Triggered::Started => self.stats.triggers += 1,
             Triggered::Busy => {
@@ -458,6 +461,15 @@ impl Soc {
             _ => (IRQ_LPUART1, tx_rx_wired && self.lpuart.interrupt()),
         })
     }
+}
+
+/// 16-bit level of an ADC input with this supply, mV.
+fn level(world: &World, millivolt: u32, channel: u32) -> u16 {
+    let (code, at) = match channel {
+        REFERENCE => (u32::from(FACTORY_REFERENCE) << 4, 3000),
+        _ => (u32::from(world.level(channel)), 3300),
+    };
+    (code * at).checked_div(millivolt).unwrap_or(u32::MAX).min(u32::from(u16::MAX)) as u16
 }
 
 #[cfg(test)]

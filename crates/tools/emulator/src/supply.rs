@@ -45,6 +45,11 @@ impl Supply {
         Self { millivolt: 3300, reset_mv: RESET_MV[0], was_low: false, pwr, exti }
     }
 
+    /// VDD, which is the reference of the converters too, mV.
+    pub fn millivolt(&self) -> u32 {
+        self.millivolt
+    }
+
     /// Sets VDD. True if it is too low for the chip.
     pub fn set(&mut self, millivolt: u32) -> bool {
         self.millivolt = millivolt;

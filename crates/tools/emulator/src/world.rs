@@ -125,7 +125,7 @@ impl World {
         self.force
     }
 
-    /// 16-bit level of an ADC input.
+    /// 16-bit level of an ADC input at 3.3 V.
     pub fn level(&self, channel: u32) -> u16 {
         match channel {
             6 => self.levels.0,
@@ -143,12 +143,12 @@ impl World {
         if self.edges.front().is_some_and(|(at, _)| *at <= now) { self.edges.pop_front() } else { None }
     }
 
-    /// Computes the next chunk if it is due. `code` is the DAC's output while the amplifier is on.
-    pub fn advance(&mut self, now: u64, code: Option<u16>) {
+    /// Computes the next chunk if it is due. `code` is the DAC's output at 3.3 V while the amplifier is on.
+    pub fn advance(&mut self, now: u64, code: Option<f64>) {
         while now >= self.until {
-            let code = code.map(|code| if self.command_broken { 0 } else { code });
+            let code = code.map(|code| if self.command_broken { 0.0 } else { code });
             let (zero, newton_per_code) = self.amplifier;
-            self.force = code.map_or(0.0, |code| (f64::from(code) - zero) * newton_per_code);
+            self.force = code.map_or(0.0, |code| (code - zero) * newton_per_code);
             self.levels = (self.sensors.load_code, self.sensors.accel_code);
             let before = self.sensors;
             let start = self.until;

@@ -1,6 +1,6 @@
 //! Flash driver for the presets in the last five pages of bank 2. It never delays the control interrupt.
 //!
-//! The code runs from bank 1 (memory.x), and the banks are independent: the processor continues during the 22 ms erasure of a
+//! The code runs from bank 1 , and the banks are independent: the processor continues during the 22 ms erasure of a
 //! page of bank 2. embassy-stm32's driver allows that too, but masks interrupts while it starts an erasure. The task yields
 //! while the flash is busy, so that console and supervisor continue.
 //!
@@ -10,6 +10,7 @@
 //!   [`Medium::is_torn`]. Elsewhere in the flash it means a corrupt program: reset.
 
 use super::stop::restart;
+use crate::board::chip::{self, BANK_2};
 use crate::presets::{Medium, NotStored, Refused};
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use embassy_futures::yield_now;
@@ -21,10 +22,8 @@ use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use haptics::FaultKind;
 use link::MAX_ITEM;
 
-/// Address of the presets. memory.x ends the code before bank 2.
-const BASE: u32 = 0x0807_d800;
-/// Address of bank 2.
-const BANK_2: u32 = 0x0804_0000;
+/// Address of the presets. The regions of the linker end the code before bank 2.
+const BASE: u32 = chip::PRESETS;
 const PAGE: u32 = 2048;
 const PAGES: u32 = 5;
 /// All errors of FLASH_SR and the end of an operation, cleared by writing 1.
@@ -209,7 +208,7 @@ impl NorFlash for Pages {
                 w.set_bker(true); // bank 2
                 w.set_pnb(page as u8);
             });
-            pac::FLASH.cr().modify(|w| w.set_strt(true));
+            chip::start_erasure();
             while pac::FLASH.sr().read().bsy() {
                 Timer::after_micros(500).await;
             }

@@ -1,81 +1,22 @@
-//! Setup of clocks, encoder with time stamps, force output and pace; reason of the start.
+//! Setup of the core, force output and pace; reason of the start.
 
 use super::last_words;
 use super::stop::DAC_ZERO;
 use super::timing::{LATCH_COUNTS, PACE_DIVIDER, PERIOD_TICKS, TICK_HZ};
-use embassy_stm32::gpio::{AfType, Flex, Pull};
-use embassy_stm32::interrupt::Priority;
-use embassy_stm32::peripherals::{self, PA0, PA1, TIM2, TIM5, TIM6, TIM7};
-use embassy_stm32::{Config, Peri, pac, rcc};
+use crate::board::chip;
+use embassy_stm32::peripherals::{self, TIM6, TIM7};
+use embassy_stm32::{pac, rcc};
 use haptics::FaultKind;
-use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts, Urs};
+use pac::timer::vals::Mms;
 
-/// Crystal X3 of the board, Hz.
-const CRYSTAL_HZ: u32 = 24_000_000;
 /// Polls of a crystal that starts, each at least 10 cycles of the 16 MHz after a reset: 30 ms. It takes 2 ms [ds12288, "HSE
 /// oscillator characteristics"].
 const CRYSTAL_POLLS: u32 = 50_000;
 
 /// Starts the crystal. False if it does not oscillate; embassy would wait for it for ever.
 pub(super) fn start_crystal() -> bool {
-    pac::RCC.cr().modify(|w| w.set_hseon(true));
+    chip::start_crystal();
     (0..CRYSTAL_POLLS).any(|_| pac::RCC.cr().read().hserdy())
-}
-
-/// Clocks: 170 MHz from the crystal, or from the internal oscillator without one (boost mode). The AHB is divided by two until
-/// [`full_speed`].
-pub(super) fn clocks(crystal: bool) -> Config {
-    use rcc::{AHBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk, mux};
-    let mut config = Config::default();
-    // the core falls back to it when the crystal stops
-    config.rcc.hsi = true;
-    config.rcc.boost = true;
-    let freq = embassy_stm32::time::Hertz(CRYSTAL_HZ);
-    config.rcc.hse = crystal.then_some(Hse { freq, mode: HseMode::Oscillator });
-    config.rcc.pll = Some(Pll {
-        source: if crystal { PllSource::HSE } else { PllSource::HSI },
-        prediv: if crystal { PllPreDiv::DIV6 } else { PllPreDiv::DIV4 },
-        mul: PllMul::MUL85,
-        divp: None,
-        divq: None,
-        divr: Some(PllRDiv::DIV2),
-    });
-    config.rcc.sys = Sysclk::PLL1_R;
-    config.rcc.ahb_pre = AHBPrescaler::DIV2;
-    config.rcc.mux.adc12sel = mux::Adcsel::SYS;
-    // not of the bus, whose rate embassy believes to stay halved
-    config.rcc.mux.lpuart1sel = mux::Uartsel::SYS;
-    // every interrupt starts at 0, the highest; that belongs to the control step
-    config.bdma_interrupt_priority = Priority::P6;
-    config
-}
-
-/// Undivided buses, and the clock security system if the crystal runs.
-///
-/// A switch to more than 80 MHz must run with the AHB divided by two for a microsecond [rm0440, "System clock (SYSCLK)
-/// selection"]. embassy-stm32 0.6 ends that division with the write that switches, so it is told to keep it.
-pub(super) fn full_speed(crystal: bool) {
-    cortex_m::asm::delay(TICK_HZ / 1_000_000); // 2 µs at half the rate
-    pac::FLASH.acr().modify(|w| w.set_latency(pac::flash::vals::Latency::WS4));
-    while pac::FLASH.acr().read().latency() != pac::flash::vals::Latency::WS4 {}
-    pac::RCC.cfgr().modify(|w| w.set_hpre(pac::rcc::vals::Hpre::DIV1));
-    // the clock of embassy-time, set for the halved bus
-    let tim4 = pac::TIM4;
-    tim4.psc().write_value((TICK_HZ / embassy_time::TICK_HZ as u32 - 1) as u16);
-    tim4.cr1().modify(|w| w.set_urs(Urs::COUNTER_ONLY));
-    tim4.egr().write(|w| w.set_ug(true)); // loads it
-    tim4.cr1().modify(|w| w.set_urs(Urs::ANY_EVENT));
-    if crystal {
-        pac::RCC.cr().modify(|w| w.set_csson(true));
-    }
-}
-
-/// Range 1 boost mode, required above 150 MHz [rm0440, "PWR_CR5"].
-///
-/// `Config::boost` should do this, but stm32-metapac 21 has R1MODE in bit 0 of the register; it is bit 8.
-pub(super) fn boost() {
-    pac::RCC.apb1enr1().modify(|w| w.set_pwren(true));
-    pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
 }
 
 /// Lets the flash read ahead of the core: sequential code of the tasks waits half as long.
@@ -121,37 +62,10 @@ pub(super) fn guard_stack() {
     cortex_m::asm::isb();
 }
 
-/// TIM2 counts all four quadrature edges of a period through a filter of 94 ns. TIM5 captures its own count on each edge.
-pub(super) fn start_encoder(a: Peri<'static, PA0>, b: Peri<'static, PA1>) {
-    rcc::enable_and_reset::<TIM2>();
-    rcc::enable_and_reset::<TIM5>();
-    for mut pin in [Flex::new(a), Flex::new(b)] {
-        pin.set_as_af_unchecked(1, AfType::input(Pull::Up));
-        core::mem::forget(pin); // dropping it would disconnect the pin
-    }
-    let (tim2, tim5) = (pac::TIM2, pac::TIM5);
-    tim2.ccmr_input(0).write(|w| {
-        for channel in 0..2 {
-            w.set_ccs(channel, CcmrInputCcs::TI4); // its own input
-            w.set_icf(channel, FilterValue::FDTS_DIV2_N8);
-        }
-    });
-    tim2.smcr().write(|w| w.set_sms(Sms::ENCODER_MODE_3));
-    tim2.cr2().write(|w| w.set_mms(Mms::ENCODER_CLOCK_OUTPUT));
-    tim2.arr().write_value(u32::MAX);
-
-    tim5.arr().write_value(u32::MAX);
-    tim5.smcr().write(|w| w.set_ts(Ts::ITR1)); // TIM2's trigger output
-    tim5.ccmr_input(0).write(|w| w.set_ccs(0, CcmrInputCcs::TRC));
-    tim5.ccer().write(|w| w.set_cce(0, true));
-    tim5.cr1().write(|w| w.set_cen(true));
-    tim2.cr1().write(|w| w.set_cen(true));
-}
-
 /// DAC1 channel 1 on its pin, at zero force, latched by TIM7.
 pub(super) fn start_dac() {
     rcc::enable_and_reset::<peripherals::DAC1>();
-    pac::DAC1.mcr().write(|w| w.set_hfsel(2)); // the bus is faster than 160 MHz
+    chip::set_dac_speed();
     pac::DAC1.dhr12r(0).write(|w| w.set_dhr(DAC_ZERO));
     // without a trigger the holding register acts at once: zero force before the loop runs
     pac::DAC1.cr().write(|w| w.set_en(0, true));
@@ -206,23 +120,13 @@ pub(super) fn change_pace(period_ticks: u32) {
 
 /// EXTI line of the voltage detector.
 pub(super) const PVD_LINE: usize = 16;
-/// Threshold of 2.9 V: below it a 3.3 V regulator has failed.
-const PVD_LEVEL: u8 = 6;
 
 /// Voltage detector: interrupts when the supply falls and when it is back.
 pub(super) fn start_voltage_detector() {
     pac::EXTI.rtsr(0).modify(|w| w.set_line(PVD_LINE, true));
     pac::EXTI.ftsr(0).modify(|w| w.set_line(PVD_LINE, true));
     pac::EXTI.imr(0).modify(|w| w.set_line(PVD_LINE, true));
-    pac::PWR.cr2().modify(|w| {
-        w.set_pls(PVD_LEVEL);
-        w.set_pvde(true);
-    });
-}
-
-/// Stops the watchdog while a debugger halts the core. The pulse of the enable line runs on.
-pub(super) fn freeze_watchdog_for_debuggers() {
-    pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+    chip::start_voltage_detector();
 }
 
 /// Reads and clears the reset flags.
