@@ -1,5 +1,6 @@
 //! The ELF as a programmer sees it: contents of the flash, and a few symbols.
 
+use crate::adc::FACTORY_REFERENCE;
 use object::read::elf::ProgramHeader;
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 use std::collections::BTreeMap;
@@ -11,6 +12,18 @@ pub(crate) const CCM_BASE: u32 = 0x1000_0000;
 pub(crate) const CCM_SIZE: u32 = 32 * 1024;
 pub(crate) const RAM_BASE: u32 = 0x2000_0000;
 pub(crate) const RAM_SIZE: u32 = 96 * 1024;
+/// Memory that the factory writes, of the bank that the chip boots from.
+pub(crate) const SYSTEM_BASE: u32 = 0x1fff_0000;
+pub(crate) const SYSTEM_SIZE: u32 = 64 * 1024;
+/// Where it holds the reading of the internal reference [ds12288, "Embedded internal voltage reference"].
+const FACTORY_REFERENCE_AT: usize = 0x75aa;
+
+/// What the factory writes: of its calibrations the one that the firmware reads.
+pub fn system_memory() -> Vec<u8> {
+    let mut memory = vec![0; SYSTEM_SIZE as usize];
+    memory[FACTORY_REFERENCE_AT..][..2].copy_from_slice(&FACTORY_REFERENCE.to_le_bytes());
+    memory
+}
 
 /// An image that cannot be run.
 #[derive(Debug, thiserror::Error)]

@@ -62,7 +62,7 @@ mod tim;
 mod wait;
 mod world;
 
-pub use image::{Image, ImageError};
+pub use image::{Image, ImageError, system_memory};
 pub use inject::Injected;
 pub use machine::Machine;
 pub use rcc::ResetCause;

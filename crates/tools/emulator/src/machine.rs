@@ -1,9 +1,10 @@
 //! Core, memories, chip and rig, in virtual time.
 
-use crate::adc::FACTORY_REFERENCE;
 use crate::bus::{Bank1, Bank2, Shared, Window};
 use crate::flash::{BANK_2, BANK_BYTES};
-use crate::image::{CCM_BASE, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_SIZE};
+use crate::image::{
+    CCM_BASE, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_SIZE, SYSTEM_BASE, SYSTEM_SIZE, system_memory,
+};
 use crate::inject::{Injector, Pulses};
 use crate::rcc::ResetCause;
 use crate::recording::Recording;
@@ -722,16 +723,16 @@ fn address_space(
     let mut map = space.topology();
     let window = |base| Arc::new(Window { shared: Arc::clone(shared), base });
     let code = Bank1 { shared: Arc::clone(shared), store: bank_1, base: FLASH_BASE };
-    let system = Arc::new(RamStore::new(0x1_0000));
-    // inside, so this cannot fail
-    let _ = system.write_at(0x75aa, &FACTORY_REFERENCE.to_le_bytes());
+    let system = Arc::new(RamStore::new(u64::from(SYSTEM_SIZE)));
+    // as large as it is, so this cannot fail
+    let _ = system.write_at(0, &system_memory());
     // constants that do not overlap
     let regions = [
         (Region::io("bank 1", u64::from(BANK_BYTES), Arc::new(code)), u64::from(FLASH_BASE)),
         (Region::ram("ccm", ccm), u64::from(CCM_BASE)),
         (Region::io("bank 2", u64::from(BANK_BYTES), Arc::new(Bank2(Arc::clone(shared)))), u64::from(BANK_2)),
         (Region::ram("ram", ram), u64::from(RAM_BASE)),
-        (Region::ram("system", system), 0x1fff_0000),
+        (Region::ram("system", system), u64::from(SYSTEM_BASE)),
         (Region::ram("dbgmcu", Arc::new(RamStore::new(0x1000))), 0xe004_2000),
         (Region::io("apb", 0x1000_0000, window(0x4000_0000)), 0x4000_0000),
         (Region::io("ahb2", 0x1000_0000, window(0x5000_0000)), 0x5000_0000),

@@ -1,6 +1,6 @@
 """Repeats a run of the firmware on QEMU's Cortex-M4 (unicorn), and compares everything that it does.
 
-    replay.py FOLDER              flash.bin and run.bin of `emulator record --out FOLDER`
+    replay.py FOLDER              flash.bin, system.bin and run.bin of `emulator record --out FOLDER`
     replay.py FOLDER --spoil      the same with one bit of one force changed: must be different
 
 Reads of peripherals are answered from the recording, and exceptions begin and end after the recorded number of instructions. The core
@@ -44,7 +44,7 @@ class Different(Exception):
 
 
 class Replay:
-    def __init__(self, flash, run):
+    def __init__(self, flash, system, run):
         self.records = array("I", run)
         self.next = 0
         self.force_writes = 0
@@ -66,7 +66,8 @@ class Replay:
         core.mem_map(RAM, 96 * 1024)
         core.mem_write(RAM, bytes([PAINT]) * (96 * 1024))
         core.mem_map(CCM, 32 * 1024)
-        core.mem_map(SYSTEM, 0x1_0000)
+        core.mem_map(SYSTEM, len(system))
+        core.mem_write(SYSTEM, system)
         core.mem_write(SCRATCH, bytes.fromhex("bff32f8f00bf00bf"))
         core.mem_map(CORE, 0x10_0000)
         for base, size in [(0x4000_0000, 0x1000_0000), (0x5000_0000, 0x1000_0000), (BANK_2, BANK_BYTES)]:
@@ -236,11 +237,11 @@ class Replay:
 
 def main():
     folder = sys.argv[1]
-    with open(f"{folder}/flash.bin", "rb") as file:
-        flash = file.read()
-    with open(f"{folder}/run.bin", "rb") as file:
-        run = file.read()
-    replay = Replay(flash, run)
+    def content(name):
+        with open(f"{folder}/{name}.bin", "rb") as file:
+            return file.read()
+
+    replay = Replay(content("flash"), content("system"), content("run"))
     if "--spoil" in sys.argv:
         replay.spoil()
     began = time.time()

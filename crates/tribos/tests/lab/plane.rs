@@ -53,8 +53,8 @@ fn choose(page: &mut Page, surface: &str) {
     page.eval("lab.plane.rows.length = lab.plane.spots.length = 0");
 }
 
-/// Drags the pointer along a path, m, with the button down.
-fn drag(page: &mut Page, path: impl Iterator<Item = (f64, f64)>) {
+/// Drags the pointer along a path, m, with the button down; where it is then.
+fn drag(page: &mut Page, path: impl Iterator<Item = (f64, f64)>) -> (f64, f64) {
     let [x, y, per] = scale(page);
     let mut kind = "mousePressed";
     let mut last = (x, y);
@@ -65,7 +65,11 @@ fn drag(page: &mut Page, path: impl Iterator<Item = (f64, f64)>) {
         std::thread::sleep(Duration::from_millis(8));
     }
     page.picture("plane-dragged");
-    page.mouse("mouseReleased", last.0, last.1);
+    last
+}
+
+fn release(page: &mut Page, (x, y): (f64, f64)) {
+    page.mouse("mouseReleased", x, y);
 }
 
 fn steps(page: &mut Page) -> Vec<Step> {
@@ -88,10 +92,13 @@ pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
 
     // wood: 1.2 N along a grain of 0.35 rad, twice as much across it
     choose(&mut page, "wood");
-    drag(
+    let end = drag(
         &mut page,
         (0..180).map(|k| TAU * f64::from(k) / 150.0).map(|a| (0.035 * a.sin(), 0.03 * (1.0 - a.cos()))),
     );
+    // a puck that is released on the way comes to rest without a pull
+    at_rest(&mut page);
+    release(&mut page, end);
     at_rest(&mut page);
     let all = steps(&mut page);
     let grain = Grain::at(0.35, 2.0);
@@ -129,7 +136,8 @@ pub fn the_force_of_a_dragged_puck_is_that_of_the_law() {
 
     // detents take nothing
     choose(&mut page, "detents");
-    drag(&mut page, (0..200).map(|k| (0.02 * (TAU * f64::from(k) / 200.0).sin(), 0.0)));
+    let end = drag(&mut page, (0..200).map(|k| (0.02 * (TAU * f64::from(k) / 200.0).sin(), 0.0)));
+    release(&mut page, end);
     page.picture("plane-detents");
     let work: Value = page.eval("lab.plane.work");
     println!("detents: {work}");

@@ -11,7 +11,7 @@ pub struct Args {
     /// Image to run; without one, the firmware of this workspace is built
     #[arg(value_name = "ELF")]
     elf: Option<PathBuf>,
-    /// Folder for flash.bin and run.bin
+    /// Folder for flash.bin, system.bin and run.bin
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
 }
@@ -91,6 +91,7 @@ pub fn run(args: &Args) -> Result<ExitCode, String> {
         std::fs::write(&path, bytes).map_err(|why| format!("{}: {why}", path.display()))
     };
     write("flash.bin", &image.flash_contents())?;
+    write("system.bin", &emulator::system_memory())?;
     write("run.bin", &at.machine.recording())?;
     let ends = ["! home: ", "! the motion has ended", "mine saved", "! fault emergency_stop"];
     if let Some(missing) = ends.iter().find(|text| !at.said.contains(**text)) {
