@@ -81,6 +81,7 @@ fn main() -> ExitCode {
             frames_are_intact_and_follow_the_rig,
             identification_moves_the_handle_and_reports_its_end,
             mutations::the_correct_build_passes_the_mutation_check,
+            mutations::a_wrong_build_finds_the_line_it_changes,
             no_panic::no_panic_is_reachable_from_the_control_interrupt,
             no_panic::the_control_path_runs_from_ccm,
             off::off_disables_the_amplifier_within_a_period_from_every_state,
