@@ -30,7 +30,7 @@ pub use basis::{Basis, dot, random_signs, subtract_scaled};
 pub use bridge::{Bridged, bridged};
 pub use error::{Error, Place};
 pub use filter::{
-    Design, Filter, Kind, LowPass, Section, central_difference, central_gain, decimate, decimation_filter,
+    Design, Filter, Gaussian, Kind, LowPass, Section, central_difference, central_gain, decimate, decimation_filter,
     four_point_difference, soften, white_gain, zero_phase, zero_phase_padded,
 };
 pub use formats::{Map, ReadOptions, WRITTEN, check_suffix, is_bag};

@@ -56,9 +56,9 @@ impl Describe for RateAndState {
         told_apart_by: "steps in speed, both ways; slide, hold, slide",
         gains: &[
             Parameter::gain("a", Dimension::FORCE.per(Dimension::LOAD), (0.0, 10.0), "direct effect on the normal load; on an axis times the radius of the contact"),
-            Parameter::gain("b", Dimension::FORCE.per(Dimension::LOAD), (0.0, 10.0), "effect of the contact age on the normal load; on an axis times the radius of the contact"),
+            Parameter::gain("b", Dimension::FORCE.per(Dimension::LOAD), (-10.0, 10.0), "effect of the contact age on the normal load, below zero in clays; on an axis times the radius of the contact"),
             Parameter::gain("force_a", Dimension::FORCE, (0.0, 1e6), "direct effect where no load is measured"),
-            Parameter::gain("force_b", Dimension::FORCE, (0.0, 1e6), "effect of the contact age where no load is measured"),
+            Parameter::gain("force_b", Dimension::FORCE, (-1e6, 1e6), "effect of the contact age where no load is measured"),
         ],
         groups: LOAD_OR_LEVEL,
         shape: &[
@@ -67,6 +67,7 @@ impl Describe for RateAndState {
         ],
         reads: &[Quantity::Velocity, Quantity::Displacement, Quantity::Time, Quantity::Force, Quantity::Load],
         opposes_motion: true,
+        has_reference: true,
         bench_test: Some("slide in one direction and step the speed up and down, by ten times each"),
         looked_for: LookedFor::WhereItAdvances,
         ..About::EFFECT
@@ -99,7 +100,8 @@ impl Signature for RateAndState {
         let mean = rate(if dt > zero { motion.displacement / dt } else { v });
         if *begun == zero {
             *begun = one;
-            *age = if v == zero { zero } else { -mean };
+            // the first sample of a recording has a velocity, but nothing slid before it
+            *age = if v == zero { zero } else { -rate(v) };
         }
         let slid = motion.displacement.abs().max(S::lit(REST) * dt.max(zero));
         let far = S::lit(FAR);
