@@ -11,11 +11,9 @@
 //! of the speed would be a fall of orders of magnitude for a law of its logarithm.
 
 use signals::{
-    Channels, Gaussian, LowPass, Noise, central_difference, derived_noise, differentiated, noise_std, quantile, soften,
+    Channels, Gaussian, LowPass, Noise, SHARPER, central_difference, derived_noise, differentiated,
+    noise_std, quantile, soften,
 };
-
-/// Cut-off of the filter behind which derivatives are taken, in cut-offs.
-const SHARPER: f64 = 3.0;
 
 /// What is known of the moments at which the direction of sliding is not.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -96,12 +96,13 @@ impl Signature for RateAndState {
         let [age, begun, ..] = memory; // ln(v_0·θ/d_c)
         let rate = |speed: S| (speed.abs().clamp(S::lit(REST), S::lit(1.0 / REST)) / S::lit(REFERENCE)).ln();
         let (v, dt) = (motion.velocity, motion.dt);
-        // the contact renews by what it slides: a velocity from another source would let it age while it does
-        let mean = rate(if dt > zero { motion.displacement / dt } else { v });
+        // The contact renews by what it slides: a velocity from another source would let it age while it does. The first sample
+        // of a recording has a velocity, but nothing slid before it.
+        let slid_before = motion.displacement != zero || *begun != zero;
+        let mean = rate(if dt > zero && slid_before { motion.displacement / dt } else { v });
         if *begun == zero {
             *begun = one;
-            // the first sample of a recording has a velocity, but nothing slid before it
-            *age = if v == zero { zero } else { -rate(v) };
+            *age = if v == zero { zero } else { -mean };
         }
         let slid = motion.displacement.abs().max(S::lit(REST) * dt.max(zero));
         let far = S::lit(FAR);

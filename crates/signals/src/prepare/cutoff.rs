@@ -23,10 +23,10 @@ const HIGHEST_SHARE: f64 = 0.125;
 const HARMONICS: f64 = 8.0;
 /// A mass in standard errors from which on inertia shows.
 const MIN_T_STATISTIC: f64 = 5.0;
-/// Where it does not, the noise of the velocity, as a share of the speed that a tenth of the motion is slower than, behind a
-/// filter that many times as high as the cut-off.
+/// Where it does not, the noise of the velocity, as a share of the speed that a tenth of the motion is slower than.
 const NOISE_OF_SPEED: f64 = 0.2;
-const SHARPER: f64 = 3.0;
+/// Cut-off of the filter behind which a search takes derivatives, in cut-offs of its own.
+pub const SHARPER: f64 = 3.0;
 
 /// Standard deviation of the white noise of each channel, and of what is derived behind a low-pass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
