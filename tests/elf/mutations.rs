@@ -195,7 +195,13 @@ struct Mutant {
 impl Mutant {
     /// Panics unless the right line is in the source exactly once.
     fn found_in(&self, source: &str) {
-        assert_eq!(source.matches(self.right).count(), 1, "{}: its line in {} has changed", self.what, self.file);
+        assert_eq!(
+            source.matches(self.right).count(),
+            1,
+            "{}: its line in {} has changed",
+            self.what,
+            self.file
+        );
     }
 }
 
