@@ -201,22 +201,19 @@ impl Machine {
             let was_asleep = asleep;
             let pc = regs.r[15];
             self.shared.pc.store(pc, Relaxed);
-            let mut first = None;
-            if !was_asleep {
-                calm = !self.reference && (calm || self.is_calm(&regs));
-                first = self.first_half(pc);
-            }
-            let may_idle = matches!(first, None | Some(0xbf20 | 0xbf30 | WIDE_HINT));
-            let quick = if calm && !was_asleep { self.quick_step(&mut regs) } else { None };
-            let mut cycles = if let Some(cycles) = quick {
+            calm = !was_asleep && !self.reference && (calm || self.is_calm(&regs));
+            let quick = if calm { self.quick_step(&mut regs) } else { None };
+            let (first, mut cycles) = if let Some((first, cycles)) = quick {
                 ahead = true;
                 calm = !std::mem::take(&mut self.quick.masked);
-                cycles
+                (Some(first), cycles)
             } else {
-                let cycles = self.slow_step(&mut regs, ahead, calm && !was_asleep);
+                let first = if was_asleep { None } else { self.first_half(pc) };
+                let cycles = self.slow_step(&mut regs, ahead, calm);
                 (ahead, calm) = (false, false);
-                cycles
+                (first, cycles)
             };
+            let may_idle = matches!(first, None | Some(0xbf20 | 0xbf30 | WIDE_HINT));
             if let Some(first) = first {
                 let wait = self.waits(pc, first);
                 self.waited += wait;
@@ -277,17 +274,17 @@ impl Machine {
         }
     }
 
-    /// One instruction of the quick core, if it knows it.
-    fn quick_step(&mut self, regs: &mut Regs) -> Option<u64> {
+    /// One instruction of the quick core, if it knows it: its first half-word and its cycles.
+    fn quick_step(&mut self, regs: &mut Regs) -> Option<(u16, u64)> {
         if self.shared.recording.get().is_none() {
             return self.quick_core(regs).step();
         }
         let before = *regs;
-        let cycles = self.quick_core(regs).step()?;
+        let stepped = self.quick_core(regs).step()?;
         if let Some(recording) = self.shared.recording.get() {
             recording.step(&before, regs, [false; 2], |exception| self.image.vector(exception));
         }
-        Some(cycles)
+        Some(stepped)
     }
 
     /// One step of rsemu. `ahead`: its registers are old; `calm`: no exception is due.

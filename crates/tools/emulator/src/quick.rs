@@ -209,10 +209,11 @@ impl Core<'_> {
             FLASH_BASE..BANK_2 => {
                 let at = pc - FLASH_BASE;
                 let slot = self.quick.flash.get_mut((at / 2) as usize)?;
-                if slot.is_none() {
-                    let read = |at| self.bank_1.read_value(at, Width::U16, Endian::Little).ok();
-                    *slot = Some(decoded(halves(&read, at)?));
+                if let Some(held) = slot {
+                    return Some(*held);
                 }
+                let read = |at| self.bank_1.read_value(at, Width::U16, Endian::Little).ok();
+                *slot = Some(decoded(halves(&read, at)?));
                 *slot
             }
             CCM_BASE..CCM_END => {
@@ -235,10 +236,10 @@ impl Core<'_> {
         self.decoded(self.regs.r[15]).map(|decoded| decoded.insn)
     }
 
-    /// Executes one instruction; its cycles without waits. `None` leaves everything as it was: rsemu must execute it.
-    pub fn step(&mut self) -> Option<u64> {
+    /// Executes one instruction; its first half-word, and its cycles without waits. `None` leaves everything as it was: rsemu must execute it.
+    pub fn step(&mut self) -> Option<(u16, u64)> {
         let pc = self.regs.r[15];
-        let Decoded { wide, insn, .. } = self.decoded(pc)?;
+        let Decoded { first, wide, insn, .. } = self.decoded(pc)?;
         let xpsr = self.regs.xpsr;
         let it = (xpsr >> 8 & 0xfc | xpsr >> 25 & 3) as u8;
         let mut passes = it == 0 || Cond(it >> 4).passes(xpsr);
@@ -267,7 +268,7 @@ impl Core<'_> {
         self.regs.msp = self.regs.r[13];
         self.quick.cycles += cycles;
         self.quick.uncounted += cycles;
-        Some(cycles)
+        Some((first, cycles))
     }
 
     fn set_it(&mut self, it: u8) {

@@ -104,10 +104,11 @@ impl Pair {
             space: &self.spaces[0],
             shared: &self.shared,
         };
-        let Some(cycles) = core.step() else {
+        let Some((first, cycles)) = core.step() else {
             assert_eq!((after, self.quick.floats_changed), (regs, 0), "{halves:x?} half done");
             return false;
         };
+        assert_eq!(first, halves[0]);
         self.quick.give(quick, &after);
         self.quick.give_floats(quick);
         let counted = reference.with_sys(|sys| sys.dwt_cyccnt);
