@@ -40,6 +40,7 @@
 #![forbid(unsafe_code)]
 
 mod adc;
+mod alu;
 pub mod block;
 mod bus;
 mod dac;

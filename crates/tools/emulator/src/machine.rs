@@ -3,7 +3,8 @@
 use crate::bus::{Bank1, Bank2, Shared, Window};
 use crate::flash::{BANK_2, BANK_BYTES};
 use crate::image::{
-    CCM_BASE, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_SIZE, SYSTEM_BASE, SYSTEM_SIZE, system_memory,
+    CCM_BASE, CCM_END, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_END, RAM_SIZE, SYSTEM_BASE, SYSTEM_SIZE,
+    system_memory,
 };
 use crate::inject::{Injector, Pulses};
 use crate::quick::{self, Core, Quick};
@@ -31,15 +32,10 @@ const PAINT: u8 = 0xc5;
 /// Instructions of another handler after which a pending control interrupt counts as waiting.
 const HELD_UP: u32 = 4;
 
-/// End of CCM SRAM.
-pub(crate) const CCM_END: u32 = CCM_BASE + CCM_SIZE;
-
 /// Bits of ITSTATE in xPSR.
 const IT_STATE: u32 = 0x0600_fc00;
 /// Where xPSR keeps the number of the exception.
 const EXCEPTION: u32 = 0x1ff;
-/// Addresses from here on are neither flash nor RAM; a core that has locked up shows one.
-pub(crate) const OUTSIDE: u32 = RAM_BASE + RAM_SIZE;
 /// First half of WFE.W, WFI.W and the other hints of 32 bits.
 const WIDE_HINT: u16 = 0xf3af;
 /// Offset of xPSR in an exception frame.
@@ -219,7 +215,8 @@ impl Machine {
                 self.waited += wait;
                 cycles += wait;
             }
-            asleep = (may_idle || regs.r[15] >= OUTSIDE) && self.is_idle();
+            // a core that has locked up shows an address outside the memories
+            asleep = (may_idle || regs.r[15] >= RAM_END) && self.is_idle();
             if was_asleep && asleep {
                 // only an event can wake it
                 self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
@@ -315,7 +312,7 @@ impl Machine {
             CCM_BASE..CCM_END => {
                 self.ccm.read_value(u64::from(pc - CCM_BASE), Width::U16, Endian::Little).ok()
             }
-            RAM_BASE..OUTSIDE => {
+            RAM_BASE..RAM_END => {
                 self.ram.read_value(u64::from(pc - RAM_BASE), Width::U16, Endian::Little).ok()
             }
             _ => None,

@@ -4,17 +4,16 @@
 //! what rsemu would do, cycle by cycle; the tests compare the two. Everything else is rsemu's: exceptions, sleep, the private
 //! peripherals, exclusive accesses, faults, and every operation on floats whose flags a host does not show.
 
+use crate::alu::{alu, is_normal_or_zero, on_host, shift_imm, shift_reg};
 use crate::bus::Shared;
 use crate::flash::BANK_2;
-use crate::image::{CCM_BASE, FLASH_BASE, RAM_BASE};
-use crate::machine::{CCM_END, OUTSIDE};
+use crate::image::{CCM_BASE, CCM_END, FLASH_BASE, RAM_BASE, RAM_END};
 use rsemu::core::space::{AddressSpace, MemAttrs, RamStore, RomStore};
 use rsemu::core::value::{Endian, Width};
 use rsemu::cpu::arm::v7m::fp::{self, fpscr};
 use rsemu::cpu::arm::v7m::fpisa::{DataOp, FpInsn, UnaryOp};
 use rsemu::cpu::arm::v7m::isa::{
-    BitfieldOp, Cond, DpOp, ExtendOp, Insn, MemOffset, MiscOp, Operand, Shift, ShiftType, Size, decode,
-    is_32bit,
+    BitfieldOp, Cond, ExtendOp, Insn, MemOffset, MiscOp, Operand, Size, decode, is_32bit,
 };
 use rsemu::cpu::arm::v7m::sys::{Sys, control, fpccr};
 use rsemu::cpu::arm::v7m::{ArmV7m, Regs};
@@ -126,7 +125,7 @@ impl Quick {
                 if attributes & 1 != 0 {
                     let size = 2_u64 << (attributes >> 1 & 31);
                     let from = u64::from(base) & !(size - 1);
-                    if from < u64::from(RAM_BASE) || from + size > u64::from(OUTSIDE) {
+                    if from < u64::from(RAM_BASE) || from + size > u64::from(RAM_END) {
                         return false;
                     }
                     let (from, to) = (from as u32, (from + size) as u32);
@@ -313,7 +312,7 @@ impl Core<'_> {
         let within = |from: u32, to: u32| address >= from && address <= to - bytes;
         address & 3 == 0
             && !self.is_guarded(address, bytes)
-            && (within(RAM_BASE, OUTSIDE)
+            && (within(RAM_BASE, RAM_END)
                 || within(CCM_BASE, CCM_END)
                 || !store && within(FLASH_BASE, BANK_2))
     }
@@ -324,7 +323,7 @@ impl Core<'_> {
         }
         let width = width(bytes);
         let value = match address {
-            RAM_BASE..OUTSIDE => self.ram.read_value(u64::from(address - RAM_BASE), width, Endian::Little),
+            RAM_BASE..RAM_END => self.ram.read_value(u64::from(address - RAM_BASE), width, Endian::Little),
             CCM_BASE..CCM_END => self.ccm.read_value(u64::from(address - CCM_BASE), width, Endian::Little),
             _ if address & (bytes - 1) != 0 => return None,
             FLASH_BASE..BANK_2 => {
@@ -345,7 +344,7 @@ impl Core<'_> {
         }
         let (width, value) = (width(bytes), u64::from(value));
         let stored = match address {
-            RAM_BASE..OUTSIDE => {
+            RAM_BASE..RAM_END => {
                 self.ram.write_value(u64::from(address - RAM_BASE), width, value, Endian::Little)
             }
             CCM_BASE..CCM_END => {
@@ -678,7 +677,7 @@ impl Core<'_> {
         match insn {
             FpInsn::Data { op, d, n, m } => {
                 let (a, b, c) = (self.s(d), self.s(n), self.s(m));
-                if let Some(value) = self.quick.on_host(op, a, b, c) {
+                if let Some(value) = on_host(self.quick.fpscr, op, a, b, c) {
                     self.set_s(d, value);
                 } else {
                     let env = fp::env(self.quick.fpscr);
@@ -819,44 +818,6 @@ impl Core<'_> {
     }
 }
 
-impl Quick {
-    /// The result of the host's arithmetic, where it is the target's bit for bit and raises nothing but `inexact`, which is set
-    /// already: operands normal or zero, result normal and not the smallest [armv7-m, ch. A2.5].
-    fn on_host(&self, op: DataOp, a: u32, b: u32, c: u32) -> Option<u32> {
-        let plain = fpscr::RMODE | fpscr::IXC;
-        if self.fpscr & plain != fpscr::IXC || !is_normal_or_zero(b) || !is_normal_or_zero(c) {
-            return None;
-        }
-        let [x, y, z] = [a, b, c].map(f32::from_bits);
-        let result = match op {
-            DataOp::Add => y + z,
-            DataOp::Sub => y - z,
-            DataOp::Mul => y * z,
-            DataOp::Nmul => -(y * z),
-            DataOp::Div => y / z,
-            _ if !is_normal_or_zero(a) => return None,
-            DataOp::Fma => y.mul_add(z, x),
-            DataOp::Fms => (-y).mul_add(z, x),
-            DataOp::Fnma => (-y).mul_add(z, -x),
-            DataOp::Fnms => y.mul_add(z, -x),
-            _ => return None,
-        }
-        .to_bits();
-        // a sum that is zero is exact, and a product of zero
-        let exact_zero = result << 1 == 0
-            && match op {
-                DataOp::Add | DataOp::Sub => true,
-                DataOp::Mul | DataOp::Nmul => b << 1 == 0 || c << 1 == 0,
-                _ => false,
-            };
-        ((2..255).contains(&(result >> 23 & 0xff)) || exact_zero).then_some(result)
-    }
-}
-
-fn is_normal_or_zero(bits: u32) -> bool {
-    bits << 1 == 0 || (1..255).contains(&(bits >> 23 & 0xff))
-}
-
 /// Bit-band aliases, and everything behind the bus of the core.
 fn is_aliased(address: u32) -> bool {
     matches!(address, 0x2200_0000..0x2400_0000 | 0x4200_0000..0x4400_0000 | PRIVATE..)
@@ -879,56 +840,6 @@ fn extended(raw: u32, size: Size, signed: bool) -> u32 {
         (Size::Byte, true) => raw as u8 as i8 as i32 as u32,
         (Size::Half, true) => raw as u16 as i16 as i32 as u32,
         _ => raw,
-    }
-}
-
-fn shift_imm(shift: Shift, value: u32, carry: bool) -> (u32, bool) {
-    match shift.ty {
-        ShiftType::Rrx => (u32::from(carry) << 31 | value >> 1, value & 1 != 0),
-        ty => shift_reg(ty, value, u32::from(shift.amount), carry),
-    }
-}
-
-/// Result and carry of a shift [armv7-m, ch. A2.2.1].
-fn shift_reg(ty: ShiftType, value: u32, amount: u32, carry: bool) -> (u32, bool) {
-    let bit = |k: u32| value >> k & 1 != 0;
-    match (ty, amount) {
-        (_, 0) => (value, carry),
-        (ShiftType::Lsl, 1..32) => (value << amount, bit(32 - amount)),
-        (ShiftType::Lsl, 32) => (0, bit(0)),
-        (ShiftType::Lsr, 1..32) => (value >> amount, bit(amount - 1)),
-        (ShiftType::Lsr, 32) => (0, bit(31)),
-        (ShiftType::Lsl | ShiftType::Lsr, _) => (0, false),
-        (ShiftType::Asr, 1..32) => (((value as i32) >> amount) as u32, bit(amount - 1)),
-        (ShiftType::Asr, _) => (((value as i32) >> 31) as u32, bit(31)),
-        (ShiftType::Ror, _) => {
-            let result = value.rotate_right(amount & 31);
-            (result, result >> 31 != 0)
-        }
-        (ShiftType::Rrx, _) => (u32::from(carry) << 31 | value >> 1, bit(0)),
-    }
-}
-
-/// Result, carry and overflow.
-fn alu(op: DpOp, a: u32, b: u32, carry: bool, shifted_out: bool, v: bool) -> (u32, bool, bool) {
-    let add = |a: u32, b: u32, carry: bool| {
-        let wide = u64::from(a) + u64::from(b) + u64::from(carry);
-        let result = wide as u32;
-        (result, wide >> 32 != 0, (a ^ result) & (b ^ result) & N != 0)
-    };
-    match op {
-        DpOp::And | DpOp::Tst => (a & b, shifted_out, v),
-        DpOp::Bic => (a & !b, shifted_out, v),
-        DpOp::Orr => (a | b, shifted_out, v),
-        DpOp::Orn => (a | !b, shifted_out, v),
-        DpOp::Eor | DpOp::Teq => (a ^ b, shifted_out, v),
-        DpOp::Add | DpOp::Cmn => add(a, b, false),
-        DpOp::Adc => add(a, b, carry),
-        DpOp::Sbc => add(a, !b, carry),
-        DpOp::Sub | DpOp::Cmp => add(a, !b, true),
-        DpOp::Rsb => add(!a, b, true),
-        DpOp::Mov => (b, shifted_out, v),
-        DpOp::Mvn => (!b, shifted_out, v),
     }
 }
 

@@ -151,10 +151,10 @@ fn value(random: &mut Random) -> u32 {
         2 => 0x7fff_ffff_u32.wrapping_add(bits & 3),
         3 => bits & 0x3f,
         4 | 5 => RAM_BASE + bits % RAM_SIZE,
-        6 => RAM_BASE + bits % RAM_SIZE & !3,
+        6 => (RAM_BASE + bits % RAM_SIZE) & !3,
         7 => RAM_BASE + RAM_SIZE - 64 + bits % 72,
-        8 => CCM_BASE + 0x800 + bits % 0x1000 & !3,
-        9 => FLASH_BASE + bits % FLASH_BYTES as u32 & !3,
+        8 => (CCM_BASE + 0x800 + bits % 0x1000) & !3,
+        9 => (FLASH_BASE + bits % FLASH_BYTES as u32) & !3,
         _ => bits,
     }
 }
@@ -194,7 +194,7 @@ fn registers(random: &mut Random, within_it: bool) -> Regs {
 fn floats(random: &mut Random) -> ([u32; 32], u32) {
     let status = word(random) & fpscr::WRITABLE;
     let quiet = fpscr::IXC | status & fpscr::FLAGS;
-    (std::array::from_fn(|_| float(random)), if word(random) % 4 == 0 { status } else { quiet })
+    (std::array::from_fn(|_| float(random)), if word(random).is_multiple_of(4) { status } else { quiet })
 }
 
 #[test]
