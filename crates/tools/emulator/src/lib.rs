@@ -29,6 +29,9 @@
 //! Cycles are those of the interpreter, about one an instruction and one more an access, and what the core waits for flash, CCM
 //! SRAM and buses by the model in `wait.rs`.
 //!
+//! Two cores execute: rsemu's, and beside it a quick one for the common instructions (`quick.rs`), which the tests hold equal to it
+//! in registers, memory and cycles. [`Machine::set_reference`] lets only rsemu execute.
+//!
 //! Two witnesses that were not written from the same reading of the manual: the vendor's description of the registers ([`svd`]) for
 //! addresses, bits, values after a reset and reserved bits; QEMU's Cortex-M4 for the core (`witness/replay.py`, [`Machine::record`]).
 //! What a peripheral does with its bits has none.
@@ -37,6 +40,7 @@
 #![forbid(unsafe_code)]
 
 mod adc;
+mod alu;
 pub mod block;
 mod bus;
 mod dac;
@@ -49,6 +53,7 @@ mod inject;
 mod iwdg;
 mod lpuart;
 mod machine;
+mod quick;
 pub mod random;
 mod rcc;
 mod reach;
