@@ -333,7 +333,7 @@ impl Peripherals {
     }
 
     /// Reads an item of the flash that is the board's own.
-    pub fn load(&mut self, key: u8, item: &[u8]) {
+    pub fn load(key: u8, item: &[u8]) {
         Position::load(key, item);
     }
 

@@ -39,7 +39,7 @@ async fn main(spawner: Spawner) {
     let library = match peripherals.pages() {
         Ok(pages) => {
             let each = &mut |key, item: &[u8]| {
-                peripherals.load(key, item);
+                Peripherals::load(key, item);
                 desk.load(key, item);
             };
             Library::open(pages, each).await
