@@ -17,7 +17,7 @@ const COUNT_BITS: u32 = 15;
 
 /// A sample of the position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct Count {
     /// Count. Wraps.
     pub count: u32,
     /// Time of the sample that saw the count change last, ticks.
@@ -31,15 +31,15 @@ pub struct AbsoluteEncoder<SPI> {
     /// Angle at count 0, and the last angle, in counts.
     zero: u32,
     angle: u32,
-    place: Place,
+    last: Count,
     trouble: Option<FaultKind>,
 }
 
 impl<SPI: SpiDevice> AbsoluteEncoder<SPI> {
     /// An encoder on this bus, which has not been read.
     pub const fn new(spi: SPI) -> Self {
-        let place = Place { count: 0, edge_ticks: 0 };
-        Self { chip: Mt6835::new(spi), zero: 0, angle: 0, place, trouble: None }
+        let last = Count { count: 0, edge_ticks: 0 };
+        Self { chip: Mt6835::new(spi), zero: 0, angle: 0, last, trouble: None }
     }
 
     /// The bus.
@@ -58,7 +58,7 @@ impl<SPI: SpiDevice> AbsoluteEncoder<SPI> {
     /// Count 0 is at this angle from now on.
     pub const fn count_from(&mut self, zero: u32) {
         let zero = zero % COUNTS_PER_TURN;
-        (self.zero, self.angle, self.place.count) = (zero, zero, 0);
+        (self.zero, self.angle, self.last.count) = (zero, zero, 0);
     }
 
     /// Angle at count 0.
@@ -69,20 +69,20 @@ impl<SPI: SpiDevice> AbsoluteEncoder<SPI> {
 
     /// One sample, at this time.
     #[inline(always)]
-    pub fn sample(&mut self, ticks: u32) -> Place {
+    pub fn sample(&mut self, ticks: u32) -> Count {
         match self.angle() {
             Ok(angle) => {
                 let moved = shortest(angle.wrapping_sub(self.angle));
                 self.angle = angle;
                 self.trouble = None;
                 if moved != 0 {
-                    let count = self.place.count.wrapping_add(moved as u32);
-                    self.place = Place { count, edge_ticks: ticks };
+                    let count = self.last.count.wrapping_add(moved as u32);
+                    self.last = Count { count, edge_ticks: ticks };
                 }
             }
             Err(why) => self.trouble = Some(fault(why)),
         }
-        self.place
+        self.last
     }
 
     /// Fault of the last sample.
@@ -157,7 +157,7 @@ mod tests {
         {
             let mut encoder = AbsoluteEncoder::new(Answers(vec![frame(angle)]));
             encoder.count_from(zero);
-            assert_eq!(encoder.sample(7), Place { count: count as u32, edge_ticks: 7 });
+            assert_eq!(encoder.sample(7), Count { count: count as u32, edge_ticks: 7 });
             assert_eq!(angle_at(encoder.zero(), count as u32), angle);
         }
     }

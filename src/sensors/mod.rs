@@ -8,7 +8,7 @@ pub mod ads131m02;
 mod load_cell;
 pub mod mt6835;
 
-pub use absolute_encoder::{AbsoluteEncoder, COUNTS_PER_TURN, Place, angle_at};
+pub use absolute_encoder::{AbsoluteEncoder, COUNTS_PER_TURN, Count, angle_at};
 pub use ads131m02::Ads131m02;
 pub use load_cell::LoadCell;
 pub use mt6835::Mt6835;

@@ -3,7 +3,7 @@
 use super::TICK_HZ;
 use super::frames::{Frames, Line, Memory};
 use crate::sensors::mt6835::{MODE, READ_ANGLE};
-use crate::sensors::{AbsoluteEncoder, COUNTS_PER_TURN, Place, angle_at};
+use crate::sensors::{AbsoluteEncoder, COUNTS_PER_TURN, Count, angle_at};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use embassy_stm32::Peri;
 use embassy_stm32::gpio::AnyPin;
@@ -16,7 +16,7 @@ use link::ORIGIN_KEY;
 /// Alternate function of SPI2 on its pins.
 const FUNCTION: u8 = 5;
 /// Longest time from power-up to a good angle, ms.
-const STARTS_MS: u32 = 200;
+const STARTS_MS: u32 = 50;
 /// No angle.
 const NONE: u32 = u32::MAX;
 
@@ -92,7 +92,7 @@ impl Absolute {
     #[inline(always)]
     pub fn sample(&mut self) -> (u32, u32, u32) {
         let ticks = pac::TIM5.cnt().read();
-        let Place { count, edge_ticks } = self.0.sample(ticks);
+        let Count { count, edge_ticks } = self.0.sample(ticks);
         (ticks, count, edge_ticks)
     }
 

@@ -217,7 +217,7 @@ fn requests_of_the_dma_are_those_of_metapac() {
     ] {
         let mut channels = metapac(peripheral).dma_channels.iter();
         let told = channels.find(|channel| channel.signal == signal).and_then(|channel| channel.request);
-        assert_eq!(told, Some(request as u8), "{peripheral} {signal}");
+        assert_eq!(told, Some(request), "{peripheral} {signal}");
     }
 }
 
