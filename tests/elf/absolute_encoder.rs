@@ -280,7 +280,8 @@ pub fn every_failure_takes_the_force_off() {
     // it waits for the encoder first
     board.run(700.0);
     let said = board.ok("fault");
-    println!("without it: {said}");
+    let first = board.machine.first_step_ms().unwrap_or(f64::NAN);
+    println!("without it, first step after {first:.0} ms: {said}");
     assert!(said.starts_with("ok encoder_silent"), "{said}");
     assert!(board.ask("render on")[0].starts_with("err"));
 }
