@@ -22,6 +22,8 @@
 //! | DAC1 channel 1: EN, TEN, TSEL, the three alignments, HFSEL against the bus | channel 2, waveforms, output buffer |
 //! | TIM2-7: PSC preload, ARR, update and compare flags, encoder mode 3, CC inputs, TS, capture on TRC, MMS 2 and 8, one-pulse mode, outputs by PWM 1 and 2 and forced | encoder modes 1 and 2 (count nothing), input filter, dead time |
 //! | LPUART1: rate, FIFO, RXNE, TXE, TC, IDLE, overrun, framing | parity, DMA, wake-up |
+//! | SPI2 and SPI3: master of 8 bits, mode, rate against the chip's, FIFOs, NSS by hardware, DMA requests; an MT6835 and an ADS131M02 | CRC, slave, other sizes |
+//! | DMA1 and DMAMUX1: requests of TIM6, TIM7, SPI2 and SPI3, both directions, increment, circular | time on the bus, flags, interrupts |
 //! | IWDG: keys, prescaler, reload | window |
 //! | GPIO: modes, alternate functions, pulls, levels | speed, open drain, lock |
 //! | NVIC: priorities; a control interrupt that waits for another handler is recorded | |
@@ -40,10 +42,12 @@
 #![forbid(unsafe_code)]
 
 mod adc;
+mod ads131m02;
 mod alu;
 pub mod block;
 mod bus;
 mod dac;
+mod dma;
 pub mod firmware;
 mod flash;
 mod flood;
@@ -53,6 +57,7 @@ mod inject;
 mod iwdg;
 mod lpuart;
 mod machine;
+mod mt6835;
 mod quick;
 pub mod random;
 mod rcc;
@@ -60,6 +65,7 @@ mod reach;
 mod recording;
 pub mod report;
 mod soc;
+mod spi;
 mod stats;
 mod supply;
 pub mod svd;
@@ -67,9 +73,11 @@ mod tim;
 mod wait;
 mod world;
 
+pub use ads131m02::ConverterFault;
 pub use image::{Image, ImageError, system_memory};
 pub use inject::Injected;
 pub use machine::Machine;
+pub use mt6835::EncoderFault;
 pub use rcc::ResetCause;
 pub use reach::{Lost, Reach};
 pub use stats::{Statistics, Summary};

@@ -15,7 +15,7 @@ use crate::stats::Statistics;
 use crate::svd::Register;
 use crate::wait::{LINE, Waits, loads_literal};
 use crate::world::World;
-use crate::{Image, Injected, UNITS_PER_MS, units_per_cycle};
+use crate::{ConverterFault, EncoderFault, Image, Injected, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
 use plant::{Bench, Hand, RigConfig, Truth, Wiring};
 use rsemu::core::space::{AddressSpace, DispatchPolicy, RamStore, Region, RomStore};
@@ -113,6 +113,7 @@ impl Machine {
         }
         let code_bytes = image.flash.iter().map(|(address, data)| address - FLASH_BASE + data.len() as u32);
         let quick = Quick::new(code_bytes.max().unwrap_or(0).min(BANK_BYTES));
+        shared.soc().dma.attach(Arc::clone(&ram));
         let bank_1 = Arc::new(RomStore::new(bank_1));
         let ccm = Arc::new(RamStore::new(u64::from(CCM_SIZE)));
         let space = Arc::new(address_space(&shared, Arc::clone(&bank_1), Arc::clone(&ram), Arc::clone(&ccm)));
@@ -579,6 +580,21 @@ impl Machine {
     /// The amplifier reports a fault, or is healthy again.
     pub fn set_amplifier_fault(&mut self, faulty: bool) {
         self.shared.soc().amplifier_fault = faulty;
+    }
+
+    /// Breaks or repairs the absolute encoder.
+    pub fn set_encoder_fault(&mut self, fault: EncoderFault) {
+        self.shared.soc().spi2.chip.fault = fault;
+    }
+
+    /// Breaks or repairs the converter of the load cell on SPI3.
+    pub fn set_converter_fault(&mut self, fault: ConverterFault) {
+        self.shared.soc().spi3.chip.set_fault(fault, self.now);
+    }
+
+    /// Restarts the converter of the load cell on SPI3, which loses its settings.
+    pub fn restart_converter(&mut self) {
+        self.shared.soc().spi3.chip.restart();
     }
 
     /// Breaks or repairs the wire of the force command. Without it the amplifier's input is at 0 V: the full negative force.

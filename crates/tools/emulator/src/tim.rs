@@ -9,6 +9,7 @@ const CR1: u32 = 0x00;
 const CR2: u32 = 0x04;
 const SMCR: u32 = 0x08;
 const DIER: u32 = 0x0c;
+const DIER_UDE: u32 = 1 << 8;
 const SR: u32 = 0x10;
 const EGR: u32 = 0x14;
 const CCMR1: u32 = 0x18;
@@ -124,6 +125,11 @@ impl Tim {
     /// Whether the trigger output pulses at every update.
     pub fn updates_trigger(&self) -> bool {
         self.trigger_output() == 2
+    }
+
+    /// Whether every update is a request to the DMA.
+    pub fn updates_request(&self) -> bool {
+        self.reg(DIER) & DIER_UDE != 0
     }
 
     fn count_length(&self) -> u64 {
@@ -317,7 +323,7 @@ impl Tim {
         let mut next = self.pending.map_or(u64::MAX, |(at, _)| at);
         if self.running() && !self.encoder_mode() {
             let dier = self.reg(DIER);
-            if dier & 1 != 0 || self.updates_trigger() || self.one_pulse() {
+            if dier & (1 | DIER_UDE) != 0 || self.updates_trigger() || self.one_pulse() {
                 next = next.min(self.time_of(0));
             }
             for channel in 0..4 {
