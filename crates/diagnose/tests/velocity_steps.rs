@@ -2,7 +2,7 @@
 //! Ruina in *time*, integrated in steps of a thousandth of the contact's renewal. The diagnosis knows them as a decay over distance.
 //! `cargo test -p diagnose --test velocity_steps -- --nocapture` prints what is found.
 
-use diagnose::{Diagnosis, Options, diagnose};
+use diagnose::{Diagnosis, Options, Verdict, diagnose};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use signals::Recording;
@@ -103,6 +103,16 @@ fn steps_of_speed_show_rate_and_state() {
         }
         assert!((of("healing").value - healing).abs() < 0.2, "the law of the contact's age");
     }
+}
+
+/// What happened once is not named, and not overlooked: averaged over the recording it was *no mismatch*.
+#[test]
+fn one_step_of_speed_is_not_enough_for_a_name() {
+    let rock = Rock { a: 0.006, b: 0.010, d_c: 8e-6, ages: true };
+    let found = found(&record(&rock, &[(1e-6, 200.0), (1e-5, 60.0)], 3));
+    assert_eq!(found.verdict, Verdict::Mismatch);
+    assert!(found.missing.iter().all(|m| m.effect == "unnamed"));
+    assert!(found.summary.contains("happened once"), "{}", found.summary);
 }
 
 #[test]

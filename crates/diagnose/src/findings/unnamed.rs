@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Error over the noise floor above which something is missing although no effect describes it, if the error follows a
 /// coordinate.
 pub const SEVERAL: f64 = 3.0;
-/// The same if the error follows no coordinate.
+/// The same if the error follows no coordinate, and for one block of a body that only advances: a step of its speed comes once.
 const MANY: f64 = 10.0;
 
 /// An error of several floors that nothing in the catalogue describes: a statement about the recording, not a model.
@@ -22,6 +22,9 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
     let floor = (search.floor / rows).sqrt();
     let unit = Dimension::FORCE.unit(geometry);
     let left = crate::findings::words::short(rms);
+    let peak = worst_block(search, found);
+    let once = search.design.is_one_way() && rms <= MANY * floor && peak > MANY * floor;
+    let (size, where_it_is) = if once { (peak, " in a part of the recording") } else { (rms, "") };
     let (why, experiment) = if search.design.is_one_way() {
         (
             "no explanation of one part of this recording holds in another: what acts happened once, or depends on something \
@@ -34,9 +37,9 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
             "record other influences on this body (other joints, a temperature, a supply, a load) as further columns",
         )
     };
-    (rms > if p <= LEVEL { SEVERAL } else { MANY } * floor).then(|| Missing {
+    (once || rms > if p <= LEVEL { SEVERAL } else { MANY } * floor).then(|| Missing {
         effect: Unnamed::ABOUT.id.into(),
-        says: format!("the error is {:.0} times the noise floor, and {why}", rms / floor),
+        says: format!("the error is {:.0} times the noise floor{}, and {why}", size / floor, where_it_is),
         equation: String::new(),
         parameters: BTreeMap::new(),
         rms_heldout_before: rms,
@@ -47,6 +50,17 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
         experiment: format!("{experiment}: {left} {unit} are left"),
         free_form: None,
     })
+}
+
+/// Largest error of a block, root mean square.
+fn worst_block(search: &Search, found: &Hypothesis) -> f64 {
+    let blocks = &search.design.blocks;
+    let rms = |k: usize| {
+        let rows = blocks.rows(k);
+        let count = rows.len().max(1) as f64;
+        (rows.map(|r| found.fit.residual[r].powi(2)).sum::<f64>() / count).sqrt()
+    };
+    (0..blocks.len()).map(rms).fold(0.0, f64::max)
 }
 
 /// The further columns that the error follows, and the effects that explain as much without them.
