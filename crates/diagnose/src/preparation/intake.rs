@@ -4,12 +4,12 @@ use crate::findings::channel::Channel;
 use crate::free_form::hum::Hum;
 use crate::options::{Error, LARGEST};
 use crate::preparation::drift::Drift;
-use crate::preparation::track::{Reversals, one_way, stride};
+use crate::preparation::track::{Reversals, stride};
 use crate::search::extra_columns::{self, ExtraColumn};
 use friction::Dimension;
 use signals::{
     Channels, FaultKind, Geometry, Preparation, Recording, RecordingFault, Settings, choose_cutoff,
-    differentiated, noise_std,
+    differentiated, noise_std, one_way,
 };
 
 /// What came in.

@@ -297,27 +297,6 @@ pub fn stride(dt: f64, cutoff: f64) -> usize {
     ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize
 }
 
-/// Parts of a stretch that must each advance, and by how many times the noise of a position.
-const PARTS: usize = 32;
-const ADVANCES: f64 = 5.0;
-
-/// The direction in which the body advances in every part of the recordings.
-pub fn one_way(stretches: &[Channels]) -> Option<f64> {
-    let part = stretches.iter().map(|s| s.position.len()).sum::<usize>().div_ceil(PARTS).max(4);
-    let mut ways = stretches.iter().flat_map(|s| {
-        let least = ADVANCES * noise_std(&s.position);
-        // shorter parts tell too little to be asked
-        s.position.chunks(part).filter(move |c| 2 * c.len() > part).map(move |c| {
-            let by = c[c.len() - 1] - c[0];
-            let range = c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, x| (r.0.min(*x), r.1.max(*x)));
-            // a part that comes back on the way does not only advance
-            if by.abs() > least && range.1 - range.0 < by.abs() + least { by.signum() } else { 0.0 }
-        })
-    });
-    let first = ways.next().filter(|w| *w != 0.0)?;
-    ways.all(|w| w == first).then_some(first)
-}
-
 /// Mean over `half` samples to either side, fewer at the ends.
 fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
     let mut sums = vec![0.0; series.len() + 1];

@@ -5,6 +5,7 @@
 //! (13 of 60 nulls instead of at most 3).
 
 use super::channels::Channels;
+use super::one_way::one_way;
 use crate::stretches::rms_frequency;
 use crate::{
     Basis, LowPass, Source, Sources, central_difference, dot, four_point_difference, noise_std,
@@ -100,8 +101,8 @@ pub fn derived_noise(channels: &Channels, cutoff: f64) -> Noise {
 /// a reversal stays visible.
 ///
 /// The noise that differentiating puts on the inertial force must not exceed the force channel's own noise, or half a
-/// percent of the force: above it the smallest forces that were left out would be hidden by it. Where inertia does not show,
-/// its noise hides nothing, and the speed has to be known. At most 150 Hz and an eighth of the slowest rate, at least eight
+/// percent of the force: above it the smallest forces that were left out would be hidden by it. Where a body only advances and
+/// its inertia does not show, that noise hides nothing, and the speed has to be known. At most 150 Hz and an eighth of the slowest rate, at least eight
 /// times the highest frequency of the motion.
 #[must_use]
 pub fn choose_cutoff(stretches: &[Channels]) -> f64 {
@@ -110,8 +111,9 @@ pub fn choose_cutoff(stretches: &[Channels]) -> f64 {
     let motion = stretches.iter().map(Channels::dominant_frequency).fold(0.0, f64::max);
     let lowest = (HARMONICS * motion).min(ceiling);
     let rough: Vec<Rough> = stretches.iter().map(|c| Rough::of(c, (10.0 * motion).min(ceiling))).collect();
-    let mass = rough.iter().filter_map(|r| r.mass).fold(0.0, f64::max);
-    let shows = rough.iter().any(|r| r.mass.is_some());
+    let mass = rough.iter().map(|r| r.mass).fold(0.0, f64::max);
+    // what a body at rest is pushed with hides the mass of one that reverses
+    let shows = one_way(stretches).is_none() || rough.iter().any(|r| r.shows);
     let white: Vec<White> = stretches.iter().map(White::of).collect();
     let tolerated: Vec<f64> = stretches.iter().map(|c| NEGLIGIBLE * spread(&c.force)).collect();
     let fits = |cutoff: f64| {
@@ -176,8 +178,10 @@ fn shown(c: &Channels, source: Source, low_pass: &LowPass) -> f64 {
 
 /// What a first look says of a stretch.
 struct Rough {
-    /// Mass, kg or kg·m²; None where inertia does not show.
-    mass: Option<f64>,
+    /// Mass, kg or kg·m².
+    mass: f64,
+    /// Whether it is surely not zero.
+    shows: bool,
     /// Speed that a tenth of the motion is slower than, m/s or rad/s.
     slow: f64,
 }
@@ -200,6 +204,34 @@ impl Rough {
         // behind the filter as many samples are independent
         let independent = (2.0 * cutoff * channels.dt * f.len() as f64).max(1.0);
         let std = (left / (independent * power)).sqrt();
-        Self { mass: (mass.abs() > MIN_T_STATISTIC * std).then(|| mass.abs()), slow }
+        let mass = if power > 0.0 { mass.abs() } else { 0.0 };
+        Self { mass, shows: mass > MIN_T_STATISTIC * std, slow }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a body at rest is pushed with says nothing of its mass: it was taken for one without inertia, and its speed for none.
+    #[test]
+    fn a_body_that_rests_half_of_the_time_was_filtered_at_five_hertz() {
+        let (dt, mass, friction, stroke) = (1e-3, 0.4, 3.0, 0.012);
+        let (mut position, mut force) = (Vec::new(), Vec::new());
+        for i in 0..16_000 {
+            let (number, u) = (i / 1000, f64::from(i % 1000) / 400.0);
+            let way = if number % 2 == 0 { 1.0 } else { -1.0 };
+            let s = u.min(1.0);
+            let at = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s) - 0.5;
+            let a = stroke * (60.0 * s - 180.0 * s * s + 120.0 * s * s * s) / (0.4 * 0.4);
+            let noise = 0.03 * f64::from((i * 7919) % 101 - 50) / 29.0;
+            position.push((way * stroke * at / 2.6e-6).round() * 2.6e-6);
+            // at rest the drive holds with what it happens to have
+            let push = if u < 1.0 { friction } else { 2.0 * f64::from((number * 37) % 19 - 9) / 9.0 };
+            force.push(way * (push + if u < 1.0 { mass * a } else { 0.0 }) + noise);
+        }
+        let cutoff = choose_cutoff(&[Channels { position, force, dt, ..Channels::default() }]);
+        println!("{cutoff} Hz");
+        assert!(cutoff > 30.0, "{cutoff} Hz");
     }
 }
