@@ -175,7 +175,7 @@ pub fn the_correct_build_passes_the_mutation_check() {
     assert!(saw.is_empty(), "{saw:#?}");
 }
 
-/// A line that has moved is told at once, and not by the long step that builds the mutants.
+/// Fails at once when a mutated line has moved; the step that builds the mutants takes minutes.
 pub fn a_wrong_build_finds_the_line_it_changes() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for mutant in &MUTANTS {

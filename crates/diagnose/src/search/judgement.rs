@@ -70,8 +70,8 @@ impl Search<'_> {
         basis.project_out(&sum)
     }
 
-    /// Whether every gain lies in the range its effect accepts, and a mass that the baseline has is not surely taken below
-    /// zero by what would then push it. A mass that does not show has either sign.
+    /// Whether every gain is in the range its effect accepts and the mass is not significantly negative, unless the baseline's
+    /// already is. A mass that does not show has either sign.
     pub fn physical(&self, h: &Hypothesis) -> bool {
         let of = |values: &[f64]| values.first().copied().unwrap_or(0.0);
         let (mass, std) = (of(&h.fit.coefficients), of(&h.fit.std_errors));

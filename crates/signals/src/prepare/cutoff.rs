@@ -112,7 +112,7 @@ pub fn choose_cutoff(stretches: &[Channels]) -> f64 {
     let lowest = (HARMONICS * motion).min(ceiling);
     let rough: Vec<Rough> = stretches.iter().map(|c| Rough::of(c, (10.0 * motion).min(ceiling))).collect();
     let mass = rough.iter().map(|r| r.mass).fold(0.0, f64::max);
-    // what a body at rest is pushed with hides the mass of one that reverses
+    // a body that reverses also rests, and the force at rest hides its mass
     let shows = one_way(stretches).is_none() || rough.iter().any(|r| r.shows);
     let white: Vec<White> = stretches.iter().map(White::of).collect();
     let tolerated: Vec<f64> = stretches.iter().map(|c| NEGLIGIBLE * spread(&c.force)).collect();
@@ -213,7 +213,7 @@ impl Rough {
 mod tests {
     use super::*;
 
-    /// What a body at rest is pushed with says nothing of its mass: it was taken for one without inertia, and its speed for none.
+    /// The force at rest hides the inertia and the zero speed limits the cut-off, unless both rules are kept to bodies that only advance.
     #[test]
     fn a_body_that_rests_half_of_the_time_was_filtered_at_five_hertz() {
         let (dt, mass, friction, stroke) = (1e-3, 0.4, 3.0, 0.012);

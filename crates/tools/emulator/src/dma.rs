@@ -113,7 +113,7 @@ impl Dma {
         }
     }
 
-    /// The transfer that a channel makes of a request. Without a channel that waits for it there is none.
+    /// Transfer that a channel makes on a request; none if no channel waits for it.
     pub fn request(&mut self, request: u32) -> Option<Transfer> {
         let mut waiting = (0..CHANNELS).filter(|k| {
             let channel = &self.channels[*k];

@@ -234,7 +234,7 @@ impl Machine {
         self.quick.give_floats(&self.cpu);
     }
 
-    /// Lets only rsemu execute, not the quick core beside it. Slow; both do the same.
+    /// Disables the quick core: rsemu executes everything. Slower, with the same result.
     pub fn set_reference(&mut self, reference: bool) {
         self.reference = reference;
     }
