@@ -4,6 +4,7 @@ pub mod applied_force;
 pub mod baseline;
 pub mod design_matrix;
 pub mod lines;
+pub mod quick;
 pub mod scales;
 pub mod series;
 pub mod term;

@@ -7,13 +7,16 @@ use crate::regression::linear::{FOLDS, Fit, fit};
 use signals::{Basis, dot};
 use std::sync::Arc;
 
+/// A column that several atoms may share: gains by direction are the same in every variant of an effect.
+pub type Column = Arc<Vec<f64>>;
+
 /// A term with its columns on the design matrix.
 #[derive(Debug, Clone)]
 pub struct Atom {
     /// The hypothesis.
     pub term: Term,
     /// Columns that the baseline does not already contain.
-    pub columns: Arc<[Vec<f64>]>,
+    pub columns: Arc<[Column]>,
     /// Which of the term's free gains they are.
     pub active: Vec<usize>,
     /// Share of the columns left outside the baseline, 0 = concealed on this motion.
@@ -25,18 +28,17 @@ pub struct Atom {
 impl Atom {
     /// Evaluates a term; `baseline` is a basis of the baseline's columns.
     pub fn new(design: &DesignMatrix, baseline: &Basis, term: Term) -> Self {
-        Self::of(design.columns(&term), baseline, term)
+        Self::of(design.columns(&term).into_iter().map(Arc::new), baseline, term)
     }
 
     /// The same from columns that are already there.
-    pub fn of(all: Vec<Vec<f64>>, baseline: &Basis, term: Term) -> Self {
+    pub fn of(all: impl IntoIterator<Item = Column>, baseline: &Basis, term: Term) -> Self {
         let mut columns = Vec::new();
         let mut active = Vec::new();
         let mut visible: f64 = 0.0;
         for (i, column) in all.into_iter().enumerate() {
             let size = dot(&column, &column).sqrt();
-            let rest = baseline.project_out(&column);
-            let left = dot(&rest, &rest).sqrt();
+            let left = baseline.left(&column).sqrt();
             if size > 0.0 && size.is_finite() && left.is_finite() {
                 visible = visible.max(left / size);
                 if left > 1e-3 * size {
@@ -94,8 +96,8 @@ pub struct Hypothesis {
 impl Hypothesis {
     /// All columns: baseline first, then each atom's.
     pub fn columns<'a>(design: &'a DesignMatrix, atoms: &'a [Atom]) -> Vec<&'a [f64]> {
-        let own = atoms.iter().flat_map(|a| a.columns.iter());
-        design.baseline.iter().chain(own).map(Vec::as_slice).collect()
+        let own = atoms.iter().flat_map(|a| a.columns.iter()).map(|c| c.as_slice());
+        design.baseline.iter().map(Vec::as_slice).chain(own).collect()
     }
 
     /// Fits the baseline and `atoms` jointly.
