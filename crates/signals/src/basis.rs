@@ -79,7 +79,7 @@ pub fn block_products(column: &[f64], others: &[&[f64]], edges: &[usize]) -> Vec
     let mut out = Vec::with_capacity(others.len() * edges.len().saturating_sub(1));
     Arch::new().dispatch(
         #[inline(always)]
-        || {
+        move || {
             for rows in edges.windows(2).map(|edge| edge[0]..edge[1]) {
                 let with = &column[rows.clone()];
                 let (groups, rest) = others.as_chunks::<TOGETHER>();
@@ -90,9 +90,9 @@ pub fn block_products(column: &[f64], others: &[&[f64]], edges: &[usize]) -> Vec
                     out.extend(sums_of([&c[rows.clone()]], with));
                 }
             }
+            out
         },
-    );
-    out
+    )
 }
 
 /// [`subtract_scaled`] of several columns from one.

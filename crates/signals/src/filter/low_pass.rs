@@ -72,12 +72,14 @@ impl LowPass {
         }
         let pad = self.settle.min(n - 1);
         let mut padded = continued(series, pad);
-        // with the widest registers there are; nothing is fused, so the bits are the same
-        Arch::new().dispatch(
+        // with the widest registers there are; nothing is fused, so the bits are the same. A closure that only borrows the
+        // series would be called, not inlined, and use the narrowest.
+        padded = Arch::new().dispatch(
             #[inline(always)]
-            || {
+            move || {
                 run(self.sections, padded.iter_mut());
                 run(self.sections, padded.iter_mut().rev());
+                padded
             },
         );
         padded.truncate(pad + n);
