@@ -3,6 +3,7 @@
 
 use crate::library::applied_force::AppliedForce;
 use crate::library::baseline::{BACKWARD, BASELINE, FORWARD, Physics};
+use crate::library::kept::{Column, Kept};
 use crate::library::quick::Quick;
 use crate::library::series;
 use crate::library::term::{Term, TermKind};
@@ -14,6 +15,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use signals::{Channels, central_difference, noise_std};
+use std::sync::Arc;
 
 /// Series that go through the filter together.
 const LANES: usize = 8;
@@ -60,6 +62,8 @@ pub struct DesignMatrix {
     pub present: Vec<usize>,
     /// The delay of the force is the column of the baseline behind them.
     pub delay: bool,
+    /// Columns computed lately.
+    kept: Kept,
 }
 
 impl DesignMatrix {
@@ -104,6 +108,11 @@ impl DesignMatrix {
     pub fn columns(&self, term: &Term) -> Vec<Vec<f64>> {
         let all = self.all_columns(term.kind, &term.shape);
         gather(&all.iter().map(Vec::as_slice).collect::<Vec<_>>(), term.free_gains())
+    }
+
+    /// The same, of those that were computed lately as they are known.
+    pub fn kept_columns(&self, term: &Term) -> Arc<[Column]> {
+        self.kept.get(term, || self.columns(term))
     }
 
     /// Columns of an effect, one per gain.
@@ -297,7 +306,8 @@ impl DesignMatrix {
         if share.iter().filter(|s| **s > 0.5).count() < FEWEST_ROWS {
             return None;
         }
-        let mut design = Self { tracks, share, blocks, y: Vec::new(), baseline: Vec::new(), present, delay };
+        let (y, baseline, kept) = (Vec::new(), Vec::new(), Kept::default());
+        let mut design = Self { tracks, share, blocks, y, baseline, present, delay, kept };
         design.fill();
         let first = fit(&design.baseline, &design.y, &design.blocks, 4);
         if let Some(first) = &first {
@@ -426,5 +436,6 @@ impl DesignMatrix {
         for (track, force) in self.tracks.iter_mut().zip(forces) {
             track.force_model = force;
         }
+        self.kept = Kept::default();
     }
 }

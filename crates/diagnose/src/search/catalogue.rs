@@ -1,9 +1,10 @@
 //! Every effect at every shape worth trying, and which of them a recording can show.
 
 use crate::library::design_matrix::{DesignMatrix, gather, shapes_together};
+use crate::library::kept::Column;
 use crate::library::scales::Scales;
 use crate::library::term::{Term, TermKind};
-use crate::search::hypothesis::{Atom, Column};
+use crate::search::hypothesis::Atom;
 use friction::effects::{Acts, MAX_SHAPE};
 use rayon::prelude::*;
 use signals::Basis;

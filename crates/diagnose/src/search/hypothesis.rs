@@ -2,13 +2,11 @@
 
 use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
+use crate::library::kept::Column;
 use crate::library::term::{Term, TermKind};
 use crate::regression::linear::{FOLDS, Fit, fit};
 use signals::{Basis, dot};
 use std::sync::Arc;
-
-/// A column that several atoms may share: gains by direction are the same in every variant of an effect.
-pub type Column = Arc<Vec<f64>>;
 
 /// A term with its columns on the design matrix.
 #[derive(Debug, Clone)]
@@ -28,7 +26,7 @@ pub struct Atom {
 impl Atom {
     /// Evaluates a term; `baseline` is a basis of the baseline's columns.
     pub fn new(design: &DesignMatrix, baseline: &Basis, term: Term) -> Self {
-        Self::of(design.columns(&term).into_iter().map(Arc::new), baseline, term)
+        Self::of(design.kept_columns(&term).iter().cloned(), baseline, term)
     }
 
     /// The same from columns that are already there.

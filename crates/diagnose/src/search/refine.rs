@@ -5,9 +5,10 @@
 //! a shape shows (a rest time far beyond every rest, a speed far beyond every speed) it keeps the gain from running
 //! along the ridge to forces that were never there. Where the recording says anything itself, the prior weighs nothing.
 
+use crate::library::kept::Column;
 use crate::regression::linear::{gram, inverse};
 use crate::search::catalogue::is_testable;
-use crate::search::hypothesis::{Atom, Column, Hypothesis};
+use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::Search;
 use friction::Dimension;
 use friction::effects::{MAX_SHAPE, Scale};
