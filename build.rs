@@ -4,6 +4,11 @@
 const BOARDS: [(&str, &str); 2] =
     [("nucleo-g474re", "src/board/nucleo_g474re.x"), ("nucleo-l476rg", "src/board/nucleo_l476rg.x")];
 
+/// Cargo features of sensors that the first board may have.
+const SENSORS: [&str; 2] = ["absolute-encoder", "load-cell-converter"];
+/// Part of the control path that runs once a command. With both sensors it stays in flash: CCM is full.
+const ONCE_A_COMMAND: &str = "*(.text._ZN7haptics10excitation10Excitation8validate* .text._ZN7haptics10excitation10Excitation7fastest*);";
+
 fn main() {
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=build.rs");
@@ -13,16 +18,23 @@ fn main() {
     let feature = |name: &str| format!("CARGO_FEATURE_{}", name.to_uppercase().replace('-', "_"));
     let chosen: Vec<_> =
         BOARDS.iter().filter(|(name, _)| std::env::var_os(feature(name)).is_some()).collect();
-    let [(_, regions)] = chosen[..] else {
+    let [(name, regions)] = chosen[..] else {
         let names = BOARDS.map(|(name, _)| name).join(", ");
         let count = chosen.len();
         panic!(
             "{count} boards chosen: accepted exactly one of the features {names}; another than the first with --no-default-features --features NAME"
         );
     };
+    let sensors = SENSORS.iter().filter(|sensor| std::env::var_os(feature(sensor)).is_some());
+    let sensors: Vec<_> = sensors.collect();
+    if let Some(sensor) = sensors.first().filter(|_| *name != BOARDS[0].0) {
+        panic!("{sensor}: accepted with {}", BOARDS[0].0);
+    }
     println!("cargo:rerun-if-changed={regions}");
     let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     std::fs::copy("memory.x", format!("{out}/memory.x")).expect("memory.x lies beside Cargo.toml");
+    let once = if sensors.len() == SENSORS.len() { "" } else { ONCE_A_COMMAND };
+    std::fs::write(format!("{out}/once_a_command.x"), once).expect("the directory of this build");
     std::fs::copy(regions, format!("{out}/regions.x")).expect("each board has its regions");
     println!("cargo:rustc-link-search={out}");
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {

@@ -69,6 +69,12 @@ impl ControlLoop {
         }
     }
 
+    /// The same, on a device whose count 0 is the middle of the stroke.
+    #[must_use]
+    pub fn referenced(config: Config) -> Self {
+        Self { state: State::referenced(config.device()), ..Self::new(config) }
+    }
+
     /// One control period. Turns the count of the inputs round if the encoder is reversed. `raise` is a fault found by the board; it
     /// precedes `off`, which precedes requests of the tasks.
     #[inline(always)]

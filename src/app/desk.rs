@@ -21,7 +21,7 @@ use haptics::{
 };
 use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, DeviceCommand, IDENTIFIED, LineEditor, MAX_LINE, Name,
-    OffDetector, PresetStore, Watch,
+    ORIGIN_KEY, OffDetector, PresetStore, Watch,
 };
 use storing::{Keeping, Saving, outcome};
 
@@ -251,6 +251,7 @@ impl Desk {
         self.promise(board.now_ms(), ends);
         self.poll_saving(board);
         self.poll_keeping(board);
+        self.keep_origin(board);
         self.list(board);
     }
 
@@ -521,6 +522,20 @@ impl Desk {
             Err(why) => write!(line, "{sign} warn: {answer}; until the device restarts: {why}"),
         };
         self.say(&line);
+    }
+
+    /// Stores a new middle of the stroke, if the board knows it again after a start.
+    fn keep_origin(&mut self, board: &mut impl Board) {
+        if self.keeping.is_none()
+            && self.saving.is_none()
+            && self.last.is_some_and(|t| t.outputs.referenced)
+            && let Some(item) = board.origin_item(self.origin, self.device.encoder_reversed)
+        {
+            let mut answer = Line::new();
+            let _ = answer.write_str("middle of the stroke kept");
+            self.keeping = Some(Keeping { answer, unasked: true, since: Some(board.now_ms()) });
+            board.store(ORIGIN_KEY, &item);
+        }
     }
 
     /// Sends lines of a long answer while there is room.

@@ -63,6 +63,12 @@ pub trait Board {
     /// Result of the last store; returned once.
     fn stored(&mut self) -> Option<Result<(), NotStored>>;
 
+    /// Item under [`link::ORIGIN_KEY`] that tells the next start where position 0 is, which is at this count: of a board with an
+    /// absolute encoder, unless it is stored.
+    fn origin_item(&mut self, _origin: u32, _reversed: bool) -> Option<[u8; 4]> {
+        None
+    }
+
     /// Lifetime of stored presets, such as “in flash”.
     fn lasting(&self) -> &str;
 

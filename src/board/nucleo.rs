@@ -5,6 +5,8 @@
 //! file of the chip, `super::chip`: clocks, encoder inputs, the sequence of conversions, rates and addresses. Pins and timing
 //! contract stand there.
 
+#[cfg(not(feature = "load-cell-converter"))]
+mod analog;
 pub mod black_box;
 pub mod enable;
 mod fast_ram;
@@ -12,10 +14,20 @@ pub mod flash;
 mod last_words;
 mod listener;
 mod pins;
+#[cfg(not(feature = "absolute-encoder"))]
+mod quadrature;
 mod setup;
 mod stop;
 mod timing;
 
+#[cfg(feature = "absolute-encoder")]
+use super::chip::Absolute as Position;
+#[cfg(feature = "load-cell-converter")]
+use super::chip::Load24 as Load;
+#[cfg(not(feature = "load-cell-converter"))]
+use analog::Analog as Load;
+#[cfg(not(feature = "absolute-encoder"))]
+use quadrature::Quadrature as Position;
 pub use setup::ResetCause;
 pub use stop::{make_safe, restart};
 pub use timing::{LOOP_HZ, TICK_HZ};
@@ -47,8 +59,6 @@ pub const BAUD: u32 = 921_600;
 pub const RX_BYTES: usize = 512;
 /// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
 const RX_WAKE: usize = 32;
-/// Longest time from the stamp of a sample to the reading of its edge, ticks: 6 µs.
-const SAMPLING_TICKS: u32 = 1_000;
 
 /// Owned by the interrupt after [`Peripherals::start`]. In this order: see [`ControlLoop`].
 #[repr(C)]
@@ -127,6 +137,8 @@ fn PVD_PVM() {
 /// Peripherals that the control step uses through registers.
 struct Hardware {
     _converter: chip::Converter,
+    position: Position,
+    load: Load,
     emergency_stop: Contact<EmergencyStop>,
     amplifier_fault: Contact<AmplifierFault>,
     /// Whether the last step wanted the amplifier.
@@ -137,13 +149,14 @@ impl RealTime for Hardware {
     /// Reads the latched inputs and clears the interrupt.
     #[inline(always)]
     fn sample(&mut self) -> Inputs {
-        let (sample_ticks, count, edge_ticks) = encoder();
+        let (sample_ticks, count, edge_ticks) = self.position.sample();
         pac::ADC1.isr().write(|w| {
             w.set_jeos(true);
             w.set_jeoc(true);
         });
         // the first conversion after a pause may be wrong [es0430, "ADC: wrong result if conversion done late"]: not used
         let [load_code, accel_code] = [pac::ADC1.jdr(1).read().jdata(), pac::ADC1.jdr(2).read().jdata()];
+        let load_code = self.load.sample(load_code);
         Inputs { sample_ticks, count, edge_ticks, load_code, accel_code }
     }
 
@@ -157,7 +170,7 @@ impl RealTime for Hardware {
         } else if SUPPLY_LOW.load(Relaxed) {
             Some(FaultKind::BrownOut)
         } else {
-            None
+            self.position.trouble().or(self.load.trouble())
         }
     }
 
@@ -226,32 +239,6 @@ fn dac_code(force: f32, command: &Command) -> u16 {
     (code as u32).min(4095) as u16
 }
 
-/// Time of the sample, count, and time of the count's last edge.
-///
-/// The stamp comes first, so that every edge after this sample is younger than its stamp, and the next sample finds it within
-/// the period. The time of the edge is read before and after the count: if both readings agree, no edge came in between, and
-/// the count belongs to it. Only an edge whose capture takes longer than two reads is counted but not yet timed; the estimator
-/// waits for its time ([`haptics::estimator`]). Edges are at least 1 µs apart, so the second attempt succeeds; a limit of three
-/// bounds the time.
-#[inline]
-fn encoder() -> (u32, u32, u32) {
-    let (tim2, tim5) = (pac::TIM2, pac::TIM5);
-    let stamp = tim5.cnt().read();
-    let mut edge = tim5.ccr(0).read();
-    let mut count = tim2.cnt().read();
-    for _ in 0..3 {
-        let after = tim5.ccr(0).read();
-        if after == edge {
-            break;
-        }
-        edge = after;
-        count = tim2.cnt().read();
-    }
-    // an edge since the stamp is at the sample: none is in the future
-    let sample = if edge.wrapping_sub(stamp) < SAMPLING_TICKS { edge } else { stamp };
-    (sample, count, edge)
-}
-
 /// The board before its loop runs.
 pub struct Peripherals {
     hardware: Hardware,
@@ -283,7 +270,14 @@ impl Peripherals {
         enable::start(p.PB5, PERIOD_TICKS);
         setup::start_dac();
         Flex::new(p.PA4).set_as_analog();
+        // SAFETY: the quadrature encoder of this chip leaves it alone
+        #[cfg(feature = "load-cell-converter")]
+        let nss = unsafe { p.PA15.clone_unchecked() };
         chip::start_encoder(p.PA0, p.PA1, p.PA15, p.PB3);
+        #[cfg(feature = "absolute-encoder")]
+        let position = Position::new([p.PB12.into(), p.PB13.into(), p.PB14.into(), p.PB15.into()]);
+        #[cfg(not(feature = "absolute-encoder"))]
+        let position = Position;
 
         let mut settings = usart::Config::default();
         settings.baudrate = BAUD;
@@ -306,9 +300,18 @@ impl Peripherals {
 
         let (converter, reference) = chip::start_converter(p.ADC1, p.PC0, p.PC1);
         SUPPLY_MV.store(supply_mv(reference, pac::VREFINTCAL.data().read()), Relaxed);
+        #[cfg(feature = "load-cell-converter")]
+        let load = Load::new(
+            [nss.into(), p.PC10.into(), p.PC11.into(), p.PC12.into()],
+            SUPPLY_MV.load(Relaxed) as f32 / 1_000.0,
+        );
+        #[cfg(not(feature = "load-cell-converter"))]
+        let load = Load;
         Self {
             hardware: Hardware {
                 _converter: converter,
+                position,
+                load,
                 emergency_stop: Contact::new(EmergencyStop::new(p.PC7)),
                 amplifier_fault: Contact::new(AmplifierFault::new(p.PB10)),
                 enabled: false,
@@ -327,6 +330,16 @@ impl Peripherals {
     /// one is erased, with the last force on.
     pub fn pages(&mut self) -> Result<flash::Pages, NotStored> {
         if chip::has_two_banks() { Ok(flash::Pages::new()) } else { Err(NotStored::SingleBank) }
+    }
+
+    /// Reads an item of the flash that is the board's own.
+    pub fn load(key: u8, item: &[u8]) {
+        Position::load(key, item);
+    }
+
+    /// Begins to measure the position. True if it is from the middle of the stroke.
+    pub fn begin_position(&mut self, device: &Device) -> bool {
+        self.hardware.position.begin(device)
     }
 
     /// Starts the loop in the control interrupt. Returns the peripherals of the tasks.
@@ -349,6 +362,8 @@ impl Peripherals {
         }
         setup::start_voltage_detector();
         setup::start_pace();
+        Position::follow();
+        Load::follow();
         Rest { console, watchdog, led, listener: listener::start() }
     }
 }
@@ -381,6 +396,7 @@ impl Board for Nucleo {
             period: 1.0 / LOOP_HZ as f32,
             delay: chip::DELAY_S,
             effect_cycles: chip::EFFECT_CYCLES,
+            metre_per_count: Position::metre_per_count(Device::default().metre_per_count),
             ..Device::default()
         }
         .at_supply(SUPPLY_MV.load(Relaxed) as f32 / 1_000.0)
@@ -420,6 +436,10 @@ impl Board for Nucleo {
 
     fn stored(&mut self) -> Option<Result<(), NotStored>> {
         flash::stored()
+    }
+
+    fn origin_item(&mut self, origin: u32, reversed: bool) -> Option<[u8; 4]> {
+        Position::origin_item(origin, reversed)
     }
 
     fn lasting(&self) -> &str {

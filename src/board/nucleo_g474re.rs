@@ -14,6 +14,10 @@
 //! | serial line | PA2, PA3 | ST-LINK | LPUART1, 921 600 baud, the virtual COM port of the board |
 //! | alive | PA5 | LD2 | blinks while the loop is healthy |
 //!
+//! With the feature `absolute-encoder`, in the place of the encoder's A and B: an MT6835 on SPI2, NSS PB12, SCK PB13, MISO PB14,
+//! MOSI PB15. With `load-cell-converter`, in the place of the load cell's PC0: an ADS131M02 on SPI3, NSS PA15, SCK PC10, MISO PC11,
+//! MOSI PC12. Their frames begin with the updates of TIM6 and of TIM7.
+//!
 //! # Timing contract
 //!
 //! ```text
@@ -54,11 +58,22 @@
 //! **Amplifier fault.** Open for three periods in which the amplifier is enabled: likewise. It is not read while the amplifier is
 //! disabled: many report a fault then, or have no supply.
 
+#[cfg(feature = "absolute-encoder")]
+mod absolute;
+#[cfg(any(feature = "absolute-encoder", feature = "load-cell-converter"))]
+mod frames;
+#[cfg(feature = "load-cell-converter")]
+mod load_cell;
+
+#[cfg(feature = "absolute-encoder")]
+pub use absolute::Absolute;
 use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleTime};
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::{Interrupt, Priority};
 use embassy_stm32::peripherals::{self, ADC1, PA0, PA1, PA15, PB3, PC0, PC1, TIM2, TIM5};
 use embassy_stm32::{Config, Peri, bind_interrupts, pac, rcc, triggers, usart};
+#[cfg(feature = "load-cell-converter")]
+pub use load_cell::Load24;
 use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts, Urs};
 
 /// Name for people.
@@ -67,10 +82,13 @@ pub const NAME: &str = "NUCLEO-G474RE";
 pub const TICK_HZ: u32 = 170_000_000;
 /// From the start of conversion to the change of the force, ns. The conversions take 21.5 µs.
 pub const LATCH_NS: u32 = 40_600;
-/// Time from the encoder reading, after the conversions, to the change of the force, s.
-pub const DELAY_S: f32 = 20e-6;
-/// Cycles that effects may take: with the worst step they end before the force is latched.
-pub const EFFECT_CYCLES: u32 = 1_130;
+/// Time from the encoder reading to the change of the force, s: after the conversions, or 3 µs after the trigger, with the 2 µs
+/// that the absolute encoder takes.
+pub const DELAY_S: f32 = if cfg!(feature = "absolute-encoder") { 40e-6 } else { 20e-6 };
+/// Cycles that effects may take: with the worst step they end before the force is latched. Sensors on a bus take some of them.
+pub const EFFECT_CYCLES: u32 = 1_130
+    - if cfg!(feature = "absolute-encoder") { 110 } else { 0 }
+    - if cfg!(feature = "load-cell-converter") { 240 } else { 0 };
 /// Address of bank 2 of the flash. The code is in bank 1.
 pub const BANK_2: u32 = 0x0804_0000;
 /// Address of the presets, the last 10 KiB.

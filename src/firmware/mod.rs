@@ -37,7 +37,13 @@ async fn main(spawner: Spawner) {
     defmt::info!("tribos {=str}, started by {}", env!("CARGO_PKG_VERSION"), peripherals.reset_cause);
     let desk = DESK.init_with(|| Desk::new(Nucleo.device()));
     let library = match peripherals.pages() {
-        Ok(pages) => Library::open(pages, &mut |key, item| desk.load(key, item)).await,
+        Ok(pages) => {
+            let each = &mut |key, item: &[u8]| {
+                Peripherals::load(key, item);
+                desk.load(key, item);
+            };
+            Library::open(pages, each).await
+        }
         Err(why) => Err(why),
     };
     desk.loaded(library.as_ref().err().copied(), &mut Nucleo);
@@ -45,7 +51,12 @@ async fn main(spawner: Spawner) {
     let Ok(config) = desk.config() else { panic!("the first preset does not suit this device") };
     let (control, ends) = QUEUES.init_with(Queues::default).split();
     let off = ends.off();
-    let rest = peripherals.start(ControlLoop::new(config), control);
+    let control_loop = if peripherals.begin_position(desk.device()) {
+        ControlLoop::referenced(config)
+    } else {
+        ControlLoop::new(config)
+    };
+    let rest = peripherals.start(control_loop, control);
     let (tx, rx) = rest.console.split();
     let (typed, to_read) = TYPED.init_with(Queue::new).split();
     // each task is started once, as a spawn token requires

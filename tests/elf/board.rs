@@ -7,7 +7,7 @@ use link::{Decoder, Frame, Item, Sample, reply};
 use plant::RigConfig;
 use plant::materials::Material;
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex, PoisonError};
 use untested::Need;
 
 /// A compiler for the board.
@@ -19,8 +19,26 @@ pub fn image() -> &'static Image {
     &IMAGE
 }
 
+/// The image with the absolute encoder, built once for all tests.
+pub fn image_with_absolute_encoder() -> &'static Image {
+    static IMAGE: LazyLock<Image> =
+        LazyLock::new(|| built(|root, target| firmware::build_with(root, target, "absolute-encoder")));
+    &IMAGE
+}
+
+/// The image with the absolute encoder and the converter of the load cell, built once for all tests.
+pub fn image_with_both_sensors() -> &'static Image {
+    const BOTH: &str = "absolute-encoder,load-cell-converter";
+    static IMAGE: LazyLock<Image> =
+        LazyLock::new(|| built(|root, target| firmware::build_with(root, target, BOTH)));
+    &IMAGE
+}
+
 /// What this builds, given the workspace and the target directory.
 pub fn built(build: impl Fn(&Path, &Path) -> Result<PathBuf, BuildError>) -> Image {
+    // images with other features have the same path
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     // …/target/debug/deps/elf-…: below the target directory that cargo was told to use
     let own = std::env::current_exe().expect("a test has a path");
@@ -98,12 +116,17 @@ impl Board {
         Some(board)
     }
 
-    /// A terminal at a machine, 50 ms later.
-    pub fn of(mut machine: Machine) -> Self {
+    /// A terminal at a machine with the firmware, 50 ms later.
+    pub fn of(machine: Machine) -> Self {
+        Self::with(image(), machine)
+    }
+
+    /// A terminal at a machine with this image, 50 ms later.
+    pub fn with(image: &'static Image, mut machine: Machine) -> Self {
         witness::watch(&mut machine);
         let mut board = Self {
             machine,
-            image: image(),
+            image,
             decoder: Decoder::new(),
             lines: Vec::new(),
             frames: Vec::new(),

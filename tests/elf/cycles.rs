@@ -188,7 +188,11 @@ pub fn cycles_of_every_effect() {
 
 /// The most expensive step that validation allows: the dearest law, and effects up to their limit.
 pub fn the_longest_allowed_step_is_not_late() {
-    let mut board = Board::ready();
+    is_not_late(Board::ready());
+}
+
+/// Renders the most expensive settings that this board accepts.
+pub fn is_not_late(mut board: Board) {
     board.machine.set_hand(|t: f64, x: f64, v: f64| 8.0 * (9.0 * t).sin() - 900.0 * x - 10.0 * v);
     for renderer in RendererKind::ON_BOARD {
         board.ok("preset use rubber");

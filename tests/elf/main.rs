@@ -6,6 +6,7 @@
 #[macro_use]
 extern crate untested;
 
+mod absolute_encoder;
 mod agreement;
 mod black_box;
 mod board;
@@ -16,6 +17,7 @@ mod device;
 mod endurance;
 mod flash;
 mod law_names;
+mod load_cell_converter;
 mod mutations;
 mod no_panic;
 mod off;
@@ -47,6 +49,10 @@ const LATENCY_US: f64 = 19.2;
 fn main() -> ExitCode {
     untested::run!(
         tests![
+            absolute_encoder::the_angle_is_the_position_and_the_force_answers_it,
+            absolute_encoder::every_rate_and_law_runs_with_it,
+            absolute_encoder::a_start_knows_the_middle_of_the_stroke,
+            absolute_encoder::every_failure_takes_the_force_off,
             agreement::target_and_host_render_the_same_forces_bit_for_bit,
             agreement::target_and_host_control_passivity_bit_for_bit,
             agreement::target_and_host_compensate_bit_for_bit,
@@ -82,6 +88,9 @@ fn main() -> ExitCode {
             identification_moves_the_handle_and_reports_its_end,
             mutations::the_correct_build_passes_the_mutation_check,
             mutations::a_wrong_build_finds_the_line_it_changes,
+            load_cell_converter::weights_are_read_at_every_supply,
+            load_cell_converter::every_rate_and_law_runs_with_both_sensors,
+            load_cell_converter::every_failure_takes_the_force_off,
             no_panic::no_panic_is_reachable_from_the_control_interrupt,
             no_panic::the_control_path_runs_from_ccm,
             off::off_disables_the_amplifier_within_a_period_from_every_state,

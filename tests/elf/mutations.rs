@@ -195,13 +195,20 @@ struct Mutant {
 impl Mutant {
     /// Panics unless the right line is in the source exactly once.
     fn found_in(&self, source: &str) {
-        assert_eq!(source.matches(self.right).count(), 1, "{}: its line in {} has changed", self.what, self.file);
+        assert_eq!(
+            source.matches(self.right).count(),
+            1,
+            "{}: its line in {} has changed",
+            self.what,
+            self.file
+        );
     }
 }
 
 const CHIP: &str = "src/board/nucleo_g474re.rs";
 const SETUP: &str = "src/board/nucleo/setup.rs";
 const BOARD: &str = "src/board/nucleo.rs";
+const QUADRATURE: &str = "src/board/nucleo/quadrature.rs";
 const ENABLE: &str = "src/board/nucleo/enable.rs";
 
 const MUTANTS: [Mutant; 21] = [
@@ -263,7 +270,7 @@ const MUTANTS: [Mutant; 21] = [
     },
     Mutant {
         what: "the sample stamped after its edge is read",
-        file: BOARD,
+        file: QUADRATURE,
         right: "    let sample = if edge.wrapping_sub(stamp) < SAMPLING_TICKS { edge } else { stamp };",
         wrong: "    let sample = stamp.max(tim5.cnt().read()).max(SAMPLING_TICKS);",
         shows: "edge during the sampling",

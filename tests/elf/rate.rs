@@ -4,7 +4,7 @@ use crate::board::Board;
 use haptics::RATES;
 
 /// The largest stiffness that the device accepts at its present rate, N/m: it says so when more is asked for.
-fn stiffest(board: &mut Board) -> f64 {
+pub fn stiffest(board: &mut Board) -> f64 {
     let refused = board.ask("set k_vc 1e9").join(" ");
     let (_, most) = refused.rsplit_once(" to ").expect("a range");
     most.split([' ', ';', ',']).find_map(|word| word.parse().ok()).unwrap_or_else(|| panic!("{refused}"))

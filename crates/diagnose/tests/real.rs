@@ -45,7 +45,11 @@ fn main() -> ExitCode {
         tests![motion_in_one_direction_is_a_recording].needing(&MACHINES),
         tests![a_joint_that_is_coupled_to_others_has_no_ripple].needing(&ARMS),
         tests![a_damper_with_play_has_lost_motion].needing(&MACHINES),
-        tests![a_motor_that_was_held_at_each_angle_has_its_cogging].needing(&MOTOR),
+        tests![
+            a_motor_that_was_held_at_each_angle_has_its_cogging,
+            a_motor_that_coasts_shows_what_repeats_in_its_turn,
+        ]
+        .needing(&MOTOR),
         tests![a_joint_that_lifts_itself_and_a_servo_that_lifts_a_weight_have_gravity].needing(&LIFTING),
         tests![over_all_pairs_of_records_no_frozen_model_is_worse]
             .needing(&PAIRS)
@@ -289,6 +293,23 @@ fn a_motor_that_was_held_at_each_angle_has_its_cogging() {
     println!("{periods:.2} periods a turn");
     assert!((periods - periods.round()).abs() < 0.1, "a whole number in a turn");
     assert!(found.after.rms_heldout < 0.6 * found.baseline.rms_heldout);
+}
+
+/// At 50 rad/s behind a filter that no inertia asked for, its current was *no mismatch*.
+fn a_motor_that_coasts_shows_what_repeats_in_its_turn() {
+    let coasts = read(&recordings("laas_cogging/rolling1.csv").expect("a recording"), "torque_nm=iq_a");
+    let found = found(&[coasts], &[]);
+    let line =
+        found.missing.iter().find_map(|m| m.parameters.get("wavelength")).expect("a line over the turn");
+    let periods = std::f64::consts::TAU / line.value;
+    println!("{periods:.3} periods a turn");
+    assert!((periods - periods.round()).abs() < 0.01, "a whole number in a turn");
+    // six times as many were seen while it was held
+    assert!(
+        (72.0 / periods - (72.0 / periods).round()).abs() < 0.01,
+        "a part of the cogging of the same motor"
+    );
+    assert!(found.after.rms_heldout < 0.2 * found.baseline.rms_heldout);
 }
 
 fn a_joint_that_lifts_itself_and_a_servo_that_lifts_a_weight_have_gravity() {

@@ -192,6 +192,18 @@ fn only_the_ageing_law_heals_at_rest() {
     assert!((last / (expected as f32 / 0.7) - 1.0).abs() < 1e-3, "{last}");
 }
 
+/// The first sample of a recording has a velocity, but nothing slid before it.
+#[test]
+fn a_contact_that_had_not_slid_yet_began_a_thousand_times_too_old() {
+    let (contact, mut state) = (contact(1.0), EffectState::default());
+    contact.step(&mut state, &Motion { dt: 0.1, velocity: 1e-6, ..Motion::default() });
+    let force = contact.step(&mut state, &moved(1e-7, 0.1));
+    assert!(
+        (force - (0.4 - 0.7) * f64::ln(1e-6 / REFERENCE)).abs() < 1e-9,
+        "steady at its first speed: {force}"
+    );
+}
+
 /// Velocity steps in one direction, the contact integrated by small Euler steps, with noise of a fixed sequence: the gains,
 /// the distance and the law come back by least squares over a grid.
 #[test]

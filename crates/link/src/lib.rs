@@ -28,5 +28,6 @@ pub use help::{HELP, HelpLine};
 pub use line::{BadLine, LineEditor, MAX_LINE};
 pub use off::OffDetector;
 pub use preset::{
-    CALIBRATION_KEY, Change, DEFAULT_KEY, IDENTIFIED, MAX_ITEM, MAX_SAVED, Name, PresetError, PresetStore,
+    CALIBRATION_KEY, Change, DEFAULT_KEY, IDENTIFIED, MAX_ITEM, MAX_SAVED, Name, ORIGIN_KEY, PresetError,
+    PresetStore,
 };

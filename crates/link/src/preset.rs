@@ -8,7 +8,7 @@ mod item;
 mod name;
 
 use item::Item;
-pub use item::{CALIBRATION_KEY, Change, DEFAULT_KEY, MAX_ITEM};
+pub use item::{CALIBRATION_KEY, Change, DEFAULT_KEY, MAX_ITEM, ORIGIN_KEY};
 pub use name::{MAX_SAVED, Name};
 use name::{ShortName, long, short};
 

@@ -30,15 +30,15 @@ pub use basis::{Basis, block_products, dot, random_signs, subtract_scaled};
 pub use bridge::{Bridged, bridged};
 pub use error::{Error, Place};
 pub use filter::{
-    Design, Filter, Kind, LowPass, Section, central_difference, central_gain, decimate, decimation_filter,
-    four_point_difference, soften, white_gain, zero_phase, zero_phase_padded,
+    Design, Filter, Gaussian, Kind, LowPass, Section, central_difference, central_gain, decimate,
+    decimation_filter, four_point_difference, soften, white_gain, zero_phase, zero_phase_padded,
 };
 pub use formats::{Map, ReadOptions, WRITTEN, check_suffix, is_bag};
 pub use noise::{Calibration, Source, Sources, calibrate_accelerometer, noise_std, noise_variance, quantum};
 pub use planar::{AXES, PlanarPrepared, PlanarRecording, prepare_planar};
 pub use prepare::{
-    ChannelReport, Channels, Column, Cutoff, Cutoffs, Estimated, Noise, Preparation, Prepared, Settings,
-    Wave, WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated, prepare,
+    ChannelReport, Channels, Column, Cutoff, Cutoffs, Estimated, Noise, Preparation, Prepared, SHARPER,
+    Settings, Wave, WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated, prepare,
 };
 pub use recording::{Geometry, Recording};
 pub use smoother::{Measured, Motion, Observation, Observed, Smoothed, direction, estimate_motion, smooth};

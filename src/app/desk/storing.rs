@@ -27,7 +27,7 @@ pub(super) enum Done {
     Repaired,
 }
 
-/// A calibration that is in use and being stored.
+/// A calibration, or an origin, that is in use and being stored.
 pub(super) struct Keeping {
     pub answer: Line,
     /// It is a message, to no command.

@@ -6,7 +6,7 @@
 //! Its frequency is a line in the spectrum of what the baseline leaves. The phase is that of a clock nobody recorded, so it
 //! belongs to the recording and not to the machine: the hum is taken out of the force and reported, and no model file has it.
 
-use crate::findings::locate::row_times;
+use crate::findings::locate::{row_motion, row_times};
 use crate::findings::words::short;
 use crate::free_form::candidate::Library;
 use crate::library::design_matrix::DesignMatrix;
@@ -36,6 +36,9 @@ const OVER_MEDIAN: f64 = 40.0;
 const BY_MOTION: f64 = 0.4;
 /// Largest share of the motion that may be at its frequency: a hum shakes the body far less.
 const DRIVEN: f64 = 0.1;
+/// Turns over the recording by which a wavelength is looked for around that of the mean speed, and steps of one.
+const TURNS: i32 = 3;
+const STEPS_A_TURN: i32 = 8;
 /// Most hums, and most harmonics of one.
 const MOST: usize = 3;
 const HARMONICS: usize = 5;
@@ -210,7 +213,10 @@ fn hum(
     let mut columns = rest.columns(frequency);
     let mut harmonics = vec![1_u32];
     let mut after = with(&columns)?;
-    if !stands_out(rest, before, &after, frequency) || moved(rest, library, extra, &columns) {
+    if !stands_out(rest, before, &after, frequency)
+        || moved(rest, library, extra, &columns)
+        || along_the_way(rest, before, frequency)
+    {
         return None;
     }
     for harmonic in 2..=HARMONICS as u32 {
@@ -296,6 +302,39 @@ fn moved(rest: &Rest, library: &Library, extra: &[ExtraColumn], columns: &[Vec<f
             library.get(design, candidate, first, second).is_some_and(|(_, all)| beside(&all) < least)
         })
         || extra.iter().any(|column| column.curves(design).iter().any(|curve| beside(curve) < least))
+}
+
+/// Whether a wave over the position of a body that only advances holds at least as much as the hum does: at one speed the
+/// teeth of a motor pass as regularly as time, and the little by which the speed wanders tells them apart.
+fn along_the_way(rest: &Rest, before: &Fit, frequency: f64) -> bool {
+    if !rest.design.is_one_way() {
+        return false;
+    }
+    let (x, _) = row_motion(rest.design);
+    let used = |r: &usize| x[*r].is_finite() && rest.times[*r].is_finite();
+    let over = |phase: &dyn Fn(usize) -> f64| -> f64 {
+        let of = |recording: &usize| {
+            let (c, s) = rest.rows(*recording).filter(used).fold((0.0, 0.0), |(c, s), r| {
+                let (sine, cosine) = (TAU * phase(r)).sin_cos();
+                (c + before.residual[r] * cosine, s + before.residual[r] * sine)
+            });
+            c * c + s * s
+        };
+        rest.recordings.iter().map(of).sum()
+    };
+    let travel = |recording: &usize| {
+        let mut rows = rest.rows(*recording).filter(used);
+        let first = rows.next();
+        first.zip(rows.next_back()).map(|(a, b)| (x[b] - x[a], rest.times[b] - rest.times[a]))
+    };
+    let longest = rest.recordings.iter().filter_map(travel).max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((way, seconds)) = longest.filter(|(way, _)| *way != 0.0) else { return false };
+    let turns = frequency * seconds;
+    let by_time = over(&|r| frequency * rest.times[r]);
+    (-TURNS * STEPS_A_TURN..=TURNS * STEPS_A_TURN).any(|k| {
+        let per_length = (turns + f64::from(k) / f64::from(STEPS_A_TURN)) / way;
+        over(&|r| per_length * x[r]) >= by_time
+    })
 }
 
 /// Whether the body is moved at the frequency of the hum: then it is what the motion makes.

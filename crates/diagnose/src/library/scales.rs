@@ -5,6 +5,11 @@ use crate::preparation::track::Track;
 use friction::effects::{MAX_SHAPE, Parameter, Scale};
 use signals::{quantile, rms};
 
+/// Latest that a channel, a drive or a contact reacts, s, and in samples of a slow recording. What seems later than that is
+/// something else: one joint of several that follow each other.
+const LATEST: f64 = 0.25;
+const LATEST_SAMPLES: f64 = 5.0;
+
 /// Scales of a set of stretches, from which the shapes worth trying follow.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scales {
@@ -22,6 +27,8 @@ pub struct Scales {
     pub force: f64,
     /// Cut-off of the filter, Hz.
     pub cutoff: f64,
+    /// Time between samples, s.
+    pub dt: f64,
 }
 
 impl Scales {
@@ -39,6 +46,7 @@ impl Scales {
             fine: largest(&|t| (rms(&t.v) / (4.0 * cutoff)).min(20.0 * t.noise.position.max(1e-12))),
             force: largest(&|t| magnitude(&t.f)),
             cutoff,
+            dt: largest(&|t| t.raw.dt),
         }
     }
 
@@ -50,6 +58,10 @@ impl Scales {
     /// Shortest wavelength that can be seen: what passes faster than the filter lets through is not there any more.
     pub fn finest_wave(&self) -> f64 {
         (0.7 * self.speed / self.cutoff).max(4.0 * self.fine).min(self.coarse_wave())
+    }
+
+    fn latest(&self) -> f64 {
+        (0.1 * self.duration).min(8.0 / self.cutoff).min(LATEST.max(LATEST_SAMPLES * self.dt))
     }
 
     /// Range of values worth trying for a shape parameter, inside what the effect accepts, and whether its
@@ -64,7 +76,7 @@ impl Scales {
         let (low, high, log) = match parameter.scale {
             Scale::Speed => (0.7 * self.slow, 1.5 * self.speed, true),
             Scale::Frequency => (0.1 * self.cutoff, 2.0 * self.cutoff, true),
-            Scale::Lag => (0.5 / (20.0 * self.cutoff), (0.1 * self.duration).min(8.0 / self.cutoff), true),
+            Scale::Lag => (0.5 / (20.0 * self.cutoff), self.latest(), true),
             Scale::Force => (0.3 * self.force, 1.1 * self.force, false),
             Scale::Wavelength => (self.finest_wave(), 1.5 * span, true),
             Scale::Rest => (1.0 / self.cutoff, 0.3 * self.duration, true),

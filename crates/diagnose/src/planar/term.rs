@@ -204,6 +204,7 @@ impl PlanarScales {
             fine: largest(&|t| rms(&t.speed) / (4.0 * cutoff)),
             force,
             cutoff,
+            dt: largest(&|t| t.raw[0].dt),
         };
         let axes = [0, 1].map(|axis| {
             scales(largest(&|t| magnitude(&t.v[axis])), stroke(axis), largest(&|t| magnitude(&t.f[axis])))

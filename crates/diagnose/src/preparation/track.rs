@@ -6,14 +6,14 @@
 //! they would have leaked into their neighbours already.
 //!
 //! For that the derivatives have to be sharper than the filter: they are taken behind a filter of
-//! [`SHARPER`] times the cut-off, and the noise this lets through is taken out again by the filter itself.
+//! [`SHARPER`] times the cut-off, and the noise this lets through is taken out again by the filter itself. A body that only
+//! advances never stands still behind a filter that does not overshoot: there it is a [`Gaussian`], as a dip before each step
+//! of the speed would be a fall of orders of magnitude for a law of its logarithm.
 
 use signals::{
-    Channels, LowPass, Noise, central_difference, derived_noise, differentiated, noise_std, quantile, soften,
+    Channels, Gaussian, LowPass, Noise, SHARPER, central_difference, derived_noise, differentiated,
+    noise_std, quantile, soften,
 };
-
-/// Cut-off of the filter behind which derivatives are taken, in cut-offs.
-const SHARPER: f64 = 3.0;
 
 /// What is known of the moments at which the direction of sliding is not.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -87,25 +87,28 @@ impl Track {
         let dt = raw.dt;
         let filter = LowPass::new(cutoff, dt);
         let sharper = (SHARPER * cutoff).min(0.3 / dt);
-        let sharp = LowPass::new(sharper, dt);
+        let sharp = |series: &[f64]| match reversals.one_way {
+            Some(_) => Gaussian::new(sharper, dt).apply(series),
+            None => LowPass::new(sharper, dt).apply(series),
+        };
         let noise = Noise { velocity: derived_noise(&raw, sharper).velocity, ..derived_noise(&raw, cutoff) };
-        let x = sharp.apply(&raw.position);
-        let f = sharp.apply(&raw.force);
+        let x = sharp(&raw.position);
+        let f = sharp(&raw.force);
         let slope = central_difference(&x, dt);
 
         let mut velocities = vec![(slope.clone(), noise.position * differentiated(1, sharper, dt))];
         if let Some(column) = &raw.velocity {
-            velocities.push((sharp.apply(column), noise_std(column) * differentiated(0, sharper, dt)));
+            velocities.push((sharp(column), noise_std(column) * differentiated(0, sharper, dt)));
         }
         let v = combine(&velocities);
         let mut accelerations =
             vec![(central_difference(&slope, dt), noise.position * differentiated(2, cutoff, dt))];
         if let Some(column) = &raw.velocity {
-            let a = central_difference(&sharp.apply(column), dt);
+            let a = central_difference(&sharp(column), dt);
             accelerations.push((a, noise_std(column) * differentiated(1, cutoff, dt)));
         }
         if let Some(column) = &raw.acceleration {
-            accelerations.push((sharp.apply(column), noise_std(column) * differentiated(0, cutoff, dt)));
+            accelerations.push((sharp(column), noise_std(column) * differentiated(0, cutoff, dt)));
         }
         let a = combine(&accelerations);
 

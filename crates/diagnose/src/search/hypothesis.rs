@@ -35,7 +35,12 @@ impl Atom {
         let mut active = Vec::new();
         let mut visible: f64 = 0.0;
         for (i, column) in all.into_iter().enumerate() {
-            let size = dot(&column, &column).sqrt();
+            let level = if term.kind.about().has_reference {
+                column.iter().sum::<f64>().powi(2) / column.len().max(1) as f64
+            } else {
+                0.0
+            };
+            let size = (dot(&column, &column) - level).max(0.0).sqrt();
             let left = baseline.left(&column).sqrt();
             if size > 0.0 && size.is_finite() && left.is_finite() {
                 visible = visible.max(left / size);

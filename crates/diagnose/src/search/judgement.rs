@@ -19,6 +19,8 @@ pub const COLLINEAR: f64 = 0.95;
 pub const OUTSIDE: f64 = 0.02;
 /// Share of what a term gains that another may lose in its place and still count as good.
 const AS_GOOD: f64 = 0.03;
+/// Standard errors by which a mass has to be below zero to be refused.
+const SURELY: f64 = 2.0;
 
 /// What `unzip` makes of pairs.
 type Unzipped<A, B> = (Vec<A>, Vec<B>);
@@ -67,11 +69,12 @@ impl Search<'_> {
         basis.project_out(&sum)
     }
 
-    /// Whether every gain lies in the range its effect accepts, and a mass that the baseline has is not taken below zero
-    /// by what would then push it.
+    /// Whether every gain lies in the range its effect accepts, and a mass that the baseline has is not surely taken below
+    /// zero by what would then push it. A mass that does not show has either sign.
     pub fn physical(&self, h: &Hypothesis) -> bool {
-        let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
-        (mass >= 0.0 || self.design.blocks.mass < 0.0)
+        let of = |values: &[f64]| values.first().copied().unwrap_or(0.0);
+        let (mass, std) = (of(&h.fit.coefficients), of(&h.fit.std_errors));
+        (mass + SURELY * std >= 0.0 || self.design.blocks.mass < 0.0)
             && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.design, i)))
     }
 

@@ -231,6 +231,8 @@ pub struct About {
     /// Its gains are a size and an angle. They count as one number where the simplest explanation is looked for: the rest position
     /// of a spring, which is part of the offset, does not count either.
     pub at_an_angle: bool,
+    /// Its force at one speed is a matter of reference, a constant that belongs to the friction level.
+    pub has_reference: bool,
     /// Parameters the force is not proportional to.
     pub shape: &'static [Parameter],
     /// What its force is made of.
@@ -284,6 +286,7 @@ impl About {
         gains: &[],
         groups: ONE,
         at_an_angle: false,
+        has_reference: false,
         shape: &[],
         reads: &[],
         opposes_motion: false,

@@ -56,9 +56,9 @@ impl Describe for RateAndState {
         told_apart_by: "steps in speed, both ways; slide, hold, slide",
         gains: &[
             Parameter::gain("a", Dimension::FORCE.per(Dimension::LOAD), (0.0, 10.0), "direct effect on the normal load; on an axis times the radius of the contact"),
-            Parameter::gain("b", Dimension::FORCE.per(Dimension::LOAD), (0.0, 10.0), "effect of the contact age on the normal load; on an axis times the radius of the contact"),
+            Parameter::gain("b", Dimension::FORCE.per(Dimension::LOAD), (-10.0, 10.0), "effect of the contact age on the normal load, below zero in clays; on an axis times the radius of the contact"),
             Parameter::gain("force_a", Dimension::FORCE, (0.0, 1e6), "direct effect where no load is measured"),
-            Parameter::gain("force_b", Dimension::FORCE, (0.0, 1e6), "effect of the contact age where no load is measured"),
+            Parameter::gain("force_b", Dimension::FORCE, (-1e6, 1e6), "effect of the contact age where no load is measured"),
         ],
         groups: LOAD_OR_LEVEL,
         shape: &[
@@ -67,6 +67,7 @@ impl Describe for RateAndState {
         ],
         reads: &[Quantity::Velocity, Quantity::Displacement, Quantity::Time, Quantity::Force, Quantity::Load],
         opposes_motion: true,
+        has_reference: true,
         bench_test: Some("slide in one direction and step the speed up and down, by ten times each"),
         looked_for: LookedFor::WhereItAdvances,
         ..About::EFFECT
@@ -95,8 +96,10 @@ impl Signature for RateAndState {
         let [age, begun, ..] = memory; // ln(v_0·θ/d_c)
         let rate = |speed: S| (speed.abs().clamp(S::lit(REST), S::lit(1.0 / REST)) / S::lit(REFERENCE)).ln();
         let (v, dt) = (motion.velocity, motion.dt);
-        // the contact renews by what it slides: a velocity from another source would let it age while it does
-        let mean = rate(if dt > zero { motion.displacement / dt } else { v });
+        // The contact renews by what it slides: a velocity from another source would let it age while it does. The first sample
+        // of a recording has a velocity, but nothing slid before it.
+        let slid_before = motion.displacement != zero || *begun != zero;
+        let mean = rate(if dt > zero && slid_before { motion.displacement / dt } else { v });
         if *begun == zero {
             *begun = one;
             *age = if v == zero { zero } else { -mean };

@@ -15,6 +15,8 @@ pub const DEFAULT_KEY: u8 = MAX_SAVED as u8;
 
 /// Key of the item with the calibration of the sensors, which the device reads and writes itself.
 pub const CALIBRATION_KEY: u8 = DEFAULT_KEY + 1;
+/// Key of the item with the angle of an absolute encoder in the middle of the stroke, which the board reads and writes itself.
+pub const ORIGIN_KEY: u8 = CALIBRATION_KEY + 1;
 
 /// Content of an item.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,11 +3,13 @@
 //! Designs and edges agree with scipy's `butter`, `cheby1`, `sosfiltfilt` and `decimate` to rounding.
 
 mod gains;
+mod gaussian;
 mod low_pass;
 mod soften;
 
 pub(crate) use gains::four_point_gain;
 pub use gains::{central_gain, white_gain};
+pub use gaussian::Gaussian;
 pub use low_pass::LowPass;
 pub use soften::soften;
 

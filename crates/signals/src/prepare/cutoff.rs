@@ -8,7 +8,7 @@ use super::channels::Channels;
 use crate::stretches::rms_frequency;
 use crate::{
     Basis, LowPass, Source, Sources, central_difference, dot, four_point_difference, noise_std,
-    noise_variance, rms, spread,
+    noise_variance, quantile, rms, spread,
 };
 use std::f64::consts::PI;
 
@@ -21,6 +21,12 @@ const HIGHEST: f64 = 150.0;
 const HIGHEST_SHARE: f64 = 0.125;
 /// Lowest cut-off, in frequencies of the motion: its harmonics have to pass.
 const HARMONICS: f64 = 8.0;
+/// A mass in standard errors from which on inertia shows.
+const MIN_T_STATISTIC: f64 = 5.0;
+/// Where it does not, the noise of the velocity, as a share of the speed that a tenth of the motion is slower than.
+const NOISE_OF_SPEED: f64 = 0.2;
+/// Cut-off of the filter behind which a search takes derivatives, in cut-offs of its own.
+pub const SHARPER: f64 = 3.0;
 
 /// Standard deviation of the white noise of each channel, and of what is derived behind a low-pass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -94,21 +100,28 @@ pub fn derived_noise(channels: &Channels, cutoff: f64) -> Noise {
 /// a reversal stays visible.
 ///
 /// The noise that differentiating puts on the inertial force must not exceed the force channel's own noise, or half a
-/// percent of the force: above it the smallest forces that were left out would be hidden by it. At most 150 Hz and an
-/// eighth of the slowest rate, at least eight times the highest frequency of the motion.
+/// percent of the force: above it the smallest forces that were left out would be hidden by it. Where inertia does not show,
+/// its noise hides nothing, and the speed has to be known. At most 150 Hz and an eighth of the slowest rate, at least eight
+/// times the highest frequency of the motion.
 #[must_use]
 pub fn choose_cutoff(stretches: &[Channels]) -> f64 {
     let slowest = stretches.iter().map(|c| 1.0 / c.dt).fold(f64::INFINITY, f64::min);
     let ceiling = HIGHEST_SHARE * slowest;
     let motion = stretches.iter().map(Channels::dominant_frequency).fold(0.0, f64::max);
     let lowest = (HARMONICS * motion).min(ceiling);
-    let mass = stretches.iter().map(|c| rough_mass(c, (10.0 * motion).min(ceiling))).fold(0.0, f64::max);
+    let rough: Vec<Rough> = stretches.iter().map(|c| Rough::of(c, (10.0 * motion).min(ceiling))).collect();
+    let mass = rough.iter().filter_map(|r| r.mass).fold(0.0, f64::max);
+    let shows = rough.iter().any(|r| r.mass.is_some());
     let white: Vec<White> = stretches.iter().map(White::of).collect();
     let tolerated: Vec<f64> = stretches.iter().map(|c| NEGLIGIBLE * spread(&c.force)).collect();
     let fits = |cutoff: f64| {
-        white.iter().zip(&tolerated).all(|(white, tolerated)| {
+        white.iter().zip(&rough).zip(&tolerated).all(|((white, rough), tolerated)| {
             let force = white.force * differentiated(0, cutoff, white.dt);
-            mass * white.derived(cutoff).acceleration <= force.max(*tolerated)
+            if shows {
+                mass * white.derived(cutoff).acceleration <= force.max(*tolerated)
+            } else {
+                white.derived(SHARPER * cutoff).velocity <= NOISE_OF_SPEED * rough.slow
+            }
         })
     };
     let mut cutoff = ceiling.min(HIGHEST);
@@ -161,16 +174,32 @@ fn shown(c: &Channels, source: Source, low_pass: &LowPass) -> f64 {
     rms(&series[trim..series.len() - trim])
 }
 
-/// Mass from a first regression on acceleration, direction, velocity and a constant, kg or kg·m².
-fn rough_mass(channels: &Channels, cutoff: f64) -> f64 {
-    let filter = LowPass::new(cutoff, channels.dt);
-    let v = central_difference(&filter.apply(&channels.position), channels.dt);
-    let a = central_difference(&v, channels.dt);
-    let sign: Vec<f64> =
-        filter.apply(&v.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect::<Vec<_>>());
-    let f = filter.apply(&channels.force);
-    let basis = Basis::of(&[&v[..], &sign[..], &vec![1.0; v.len()][..]]);
-    let (a, f) = (basis.project_out(&a), basis.project_out(&f));
-    let power = dot(&a, &a);
-    if power > 0.0 { (dot(&a, &f) / power).abs() } else { 0.0 }
+/// What a first look says of a stretch.
+struct Rough {
+    /// Mass, kg or kg·m²; None where inertia does not show.
+    mass: Option<f64>,
+    /// Speed that a tenth of the motion is slower than, m/s or rad/s.
+    slow: f64,
+}
+
+impl Rough {
+    /// By a regression on acceleration, direction, velocity and a constant behind a filter at `cutoff` Hz.
+    fn of(channels: &Channels, cutoff: f64) -> Self {
+        let filter = LowPass::new(cutoff, channels.dt);
+        let v = central_difference(&filter.apply(&channels.position), channels.dt);
+        let a = central_difference(&v, channels.dt);
+        let sign: Vec<f64> =
+            filter.apply(&v.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect::<Vec<_>>());
+        let f = filter.apply(&channels.force);
+        let slow = quantile(&v.iter().map(|v| v.abs()).collect::<Vec<_>>(), 0.1);
+        let basis = Basis::of(&[&v[..], &sign[..], &vec![1.0; v.len()][..]]);
+        let (a, f) = (basis.project_out(&a), basis.project_out(&f));
+        let power = dot(&a, &a);
+        let mass = dot(&a, &f) / power;
+        let left = (dot(&f, &f) - mass * mass * power).max(0.0);
+        // behind the filter as many samples are independent
+        let independent = (2.0 * cutoff * channels.dt * f.len() as f64).max(1.0);
+        let std = (left / (independent * power)).sqrt();
+        Self { mass: (mass.abs() > MIN_T_STATISTIC * std).then(|| mass.abs()), slow }
+    }
 }

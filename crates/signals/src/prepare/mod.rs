@@ -13,7 +13,7 @@ mod wave;
 
 pub use agreement::Column;
 pub use channels::Channels;
-pub use cutoff::{Noise, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated};
+pub use cutoff::{Noise, SHARPER, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated};
 pub use report::{ChannelReport, Cutoffs, Estimated, Preparation, WaveReport};
 pub use wave::Wave;
 

@@ -73,6 +73,13 @@ impl Shared {
         self.soc().violations.insert(why);
     }
 
+    /// Counts a load from bank 1 of the flash, and waits for it.
+    pub fn load_from_flash(&self, address: u32) {
+        let cycles = self.waits().load(address);
+        self.flash_loads.fetch_add(1, Relaxed);
+        self.wait(cycles);
+    }
+
     fn wait(&self, cycles: u64) {
         if cycles > 0 {
             self.waited.fetch_add(cycles, Relaxed);
@@ -135,9 +142,7 @@ impl MemOps for Bank1 {
     fn read(&self, offset: u64, data: &mut [u8], attrs: MemAttrs) -> MemResult {
         // the wait for a fetch depends on the instruction, which the machine knows
         if !attrs.is_fetch() && !attrs.debug {
-            let cycles = self.shared.waits().load(self.base + offset as u32);
-            self.shared.flash_loads.fetch_add(1, Relaxed);
-            self.shared.wait(cycles);
+            self.shared.load_from_flash(self.base + offset as u32);
         }
         self.store.read_at(offset, data)
     }

@@ -48,7 +48,15 @@ pub fn build(root: &Path, target: &Path) -> Result<PathBuf, BuildError> {
 /// # Errors
 /// No toolchain has the target, or the build fails.
 pub fn build_bin(root: &Path, target: &Path, bin: &str) -> Result<PathBuf, BuildError> {
-    Ok(build_one(root, target, ["--bin", bin])?.join(bin))
+    Ok(build_one(root, target, &["--bin", bin])?.join(bin))
+}
+
+/// Builds the firmware with cargo features, comma between. It has the path of the one without.
+///
+/// # Errors
+/// No toolchain has the target, or the build fails.
+pub fn build_with(root: &Path, target: &Path, features: &str) -> Result<PathBuf, BuildError> {
+    Ok(build_one(root, target, &["--bin", PACKAGE, "--features", features])?.join(PACKAGE))
 }
 
 /// Builds an example of the firmware's package.
@@ -56,11 +64,11 @@ pub fn build_bin(root: &Path, target: &Path, bin: &str) -> Result<PathBuf, Build
 /// # Errors
 /// No toolchain has the target, or the build fails.
 pub fn build_example(root: &Path, target: &Path, example: &str) -> Result<PathBuf, BuildError> {
-    Ok(build_one(root, target, ["--example", example])?.join("examples").join(example))
+    Ok(build_one(root, target, &["--example", example])?.join("examples").join(example))
 }
 
 /// Builds with these cargo arguments. Returns the directory of the profile.
-fn build_one(root: &Path, target: &Path, what: [&str; 2]) -> Result<PathBuf, BuildError> {
+fn build_one(root: &Path, target: &Path, what: &[&str]) -> Result<PathBuf, BuildError> {
     let toolchain = toolchain(root)?;
     let target = target.join("thumb");
     let built = command(root, "cargo", toolchain)

@@ -10,8 +10,10 @@ pub(crate) const FLASH_SIZE: u32 = 512 * 1024;
 /// CCM SRAM, as the core fetches from it.
 pub(crate) const CCM_BASE: u32 = 0x1000_0000;
 pub(crate) const CCM_SIZE: u32 = 32 * 1024;
+pub(crate) const CCM_END: u32 = CCM_BASE + CCM_SIZE;
 pub(crate) const RAM_BASE: u32 = 0x2000_0000;
 pub(crate) const RAM_SIZE: u32 = 96 * 1024;
+pub(crate) const RAM_END: u32 = RAM_BASE + RAM_SIZE;
 /// Memory that the factory writes, of the bank that the chip boots from.
 pub(crate) const SYSTEM_BASE: u32 = 0x1fff_0000;
 pub(crate) const SYSTEM_SIZE: u32 = 64 * 1024;

@@ -22,12 +22,17 @@
 //! | DAC1 channel 1: EN, TEN, TSEL, the three alignments, HFSEL against the bus | channel 2, waveforms, output buffer |
 //! | TIM2-7: PSC preload, ARR, update and compare flags, encoder mode 3, CC inputs, TS, capture on TRC, MMS 2 and 8, one-pulse mode, outputs by PWM 1 and 2 and forced | encoder modes 1 and 2 (count nothing), input filter, dead time |
 //! | LPUART1: rate, FIFO, RXNE, TXE, TC, IDLE, overrun, framing | parity, DMA, wake-up |
+//! | SPI2 and SPI3: master of 8 bits, mode, rate against the chip's, FIFOs, NSS by hardware, DMA requests; an MT6835 and an ADS131M02 | CRC, slave, other sizes |
+//! | DMA1 and DMAMUX1: requests of TIM6, TIM7, SPI2 and SPI3, both directions, increment, circular | time on the bus, flags, interrupts |
 //! | IWDG: keys, prescaler, reload | window |
 //! | GPIO: modes, alternate functions, pulls, levels | speed, open drain, lock |
 //! | NVIC: priorities; a control interrupt that waits for another handler is recorded | |
 //!
 //! Cycles are those of the interpreter, about one an instruction and one more an access, and what the core waits for flash, CCM
 //! SRAM and buses by the model in `wait.rs`.
+//!
+//! Two cores execute: rsemu's, and beside it a quick one for the common instructions (`quick.rs`), which the tests hold equal to it
+//! in registers, memory and cycles. [`Machine::set_reference`] lets only rsemu execute.
 //!
 //! Two witnesses that were not written from the same reading of the manual: the vendor's description of the registers ([`svd`]) for
 //! addresses, bits, values after a reset and reserved bits; QEMU's Cortex-M4 for the core (`witness/replay.py`, [`Machine::record`]).
@@ -37,9 +42,12 @@
 #![forbid(unsafe_code)]
 
 mod adc;
+mod ads131m02;
+mod alu;
 pub mod block;
 mod bus;
 mod dac;
+mod dma;
 pub mod firmware;
 mod flash;
 mod flood;
@@ -49,12 +57,15 @@ mod inject;
 mod iwdg;
 mod lpuart;
 mod machine;
+mod mt6835;
+mod quick;
 pub mod random;
 mod rcc;
 mod reach;
 mod recording;
 pub mod report;
 mod soc;
+mod spi;
 mod stats;
 mod supply;
 pub mod svd;
@@ -62,9 +73,11 @@ mod tim;
 mod wait;
 mod world;
 
+pub use ads131m02::ConverterFault;
 pub use image::{Image, ImageError, system_memory};
 pub use inject::Injected;
 pub use machine::Machine;
+pub use mt6835::EncoderFault;
 pub use rcc::ResetCause;
 pub use reach::{Lost, Reach};
 pub use stats::{Statistics, Summary};

@@ -3,21 +3,24 @@
 use crate::bus::{Bank1, Bank2, Shared, Window};
 use crate::flash::{BANK_2, BANK_BYTES};
 use crate::image::{
-    CCM_BASE, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_SIZE, SYSTEM_BASE, SYSTEM_SIZE, system_memory,
+    CCM_BASE, CCM_END, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_END, RAM_SIZE, SYSTEM_BASE, SYSTEM_SIZE,
+    system_memory,
 };
 use crate::inject::{Injector, Pulses};
+use crate::quick::{self, Core, Quick};
 use crate::rcc::ResetCause;
 use crate::recording::Recording;
 use crate::soc::{IRQ_ADC1_2, IRQS, Soc};
 use crate::stats::Statistics;
 use crate::svd::Register;
-use crate::wait::{Waits, loads_literal};
+use crate::wait::{LINE, Waits, loads_literal};
 use crate::world::World;
-use crate::{Image, Injected, UNITS_PER_MS, units_per_cycle};
+use crate::{ConverterFault, EncoderFault, Image, Injected, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
 use plant::{Bench, Hand, RigConfig, Truth, Wiring};
 use rsemu::core::space::{AddressSpace, DispatchPolicy, RamStore, Region, RomStore};
 use rsemu::core::value::{Endian, Width};
+use rsemu::cpu::arm::v7m::sys::Exception;
 use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -29,15 +32,10 @@ const PAINT: u8 = 0xc5;
 /// Instructions of another handler after which a pending control interrupt counts as waiting.
 const HELD_UP: u32 = 4;
 
-/// End of CCM SRAM.
-const CCM_END: u32 = CCM_BASE + CCM_SIZE;
-
 /// Bits of ITSTATE in xPSR.
 const IT_STATE: u32 = 0x0600_fc00;
 /// Where xPSR keeps the number of the exception.
 const EXCEPTION: u32 = 0x1ff;
-/// Addresses from here on are neither flash nor RAM; a core that has locked up shows one.
-const OUTSIDE: u32 = RAM_BASE + RAM_SIZE;
 /// First half of WFE.W, WFI.W and the other hints of 32 bits.
 const WIDE_HINT: u16 = 0xf3af;
 /// Offset of xPSR in an exception frame.
@@ -56,6 +54,11 @@ pub struct Machine {
     /// Time of the next event of the chip.
     next: u64,
     cycle: u64,
+    quick: Quick,
+    /// Only rsemu executes.
+    reference: bool,
+    /// Line of the flash that the core reads from.
+    line: u32,
     /// Cycles that the core waited for memories and buses.
     waited: u64,
     /// Cycle count at entry of the running control interrupt.
@@ -108,6 +111,9 @@ impl Machine {
                 }
             }
         }
+        let code_bytes = image.flash.iter().map(|(address, data)| address - FLASH_BASE + data.len() as u32);
+        let quick = Quick::new(code_bytes.max().unwrap_or(0).min(BANK_BYTES));
+        shared.soc().dma.attach(Arc::clone(&ram));
         let bank_1 = Arc::new(RomStore::new(bank_1));
         let ccm = Arc::new(RamStore::new(u64::from(CCM_SIZE)));
         let space = Arc::new(address_space(&shared, Arc::clone(&bank_1), Arc::clone(&ram), Arc::clone(&ccm)));
@@ -123,6 +129,9 @@ impl Machine {
             now: 0,
             next: 0,
             cycle: 1,
+            quick,
+            reference: false,
+            line: u32::MAX,
             waited: 0,
             entered: None,
             loads_at_entry: 0,
@@ -170,27 +179,45 @@ impl Machine {
     fn run_until(&mut self, end: u64, stop: impl Fn(&Self) -> bool) {
         let mut asleep = self.is_idle();
         let mut regs = self.cpu.regs();
+        // registers are newer than those of rsemu; no exception is due
+        let (mut ahead, mut calm) = (false, false);
         while self.now < end && !stop(self) {
             if self.now >= self.next || self.shared.touched.load(Relaxed) {
                 self.shared.touched.store(false, Relaxed);
+                let resets = self.resets.len();
                 self.attend();
+                if self.resets.len() != resets {
+                    regs = self.cpu.regs();
+                    ahead = false;
+                }
                 asleep = self.is_idle();
-                regs = self.cpu.regs();
+                calm = false;
             }
             self.shared.now.store(self.now, Relaxed);
             let before = self.now;
             let was_asleep = asleep;
             let pc = regs.r[15];
-            let first = if was_asleep { None } else { self.first_half(pc) };
-            let may_idle = matches!(first, None | Some(0xbf20 | 0xbf30 | WIDE_HINT));
             self.shared.pc.store(pc, Relaxed);
-            let mut cycles = self.step(&mut regs);
+            calm = !was_asleep && !self.reference && (calm || self.is_calm(&regs));
+            let quick = if calm { self.quick_step(&mut regs) } else { None };
+            let (first, mut cycles) = if let Some((first, cycles)) = quick {
+                ahead = true;
+                calm = !std::mem::take(&mut self.quick.masked);
+                (Some(first), cycles)
+            } else {
+                let first = if was_asleep { None } else { self.first_half(pc) };
+                let cycles = self.slow_step(&mut regs, ahead, calm);
+                (ahead, calm) = (false, false);
+                (first, cycles)
+            };
+            let may_idle = matches!(first, None | Some(0xbf20 | 0xbf30 | WIDE_HINT));
             if let Some(first) = first {
                 let wait = self.waits(pc, first);
                 self.waited += wait;
                 cycles += wait;
             }
-            asleep = (may_idle || regs.r[15] >= OUTSIDE) && self.is_idle();
+            // a core that has locked up shows an address outside the memories
+            asleep = (may_idle || regs.r[15] >= RAM_END) && self.is_idle();
             if was_asleep && asleep {
                 // only an event can wake it
                 self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
@@ -201,6 +228,76 @@ impl Machine {
             }
             self.account(before, was_asleep, cycles);
         }
+        if ahead {
+            self.quick.give(&self.cpu, &regs);
+        }
+        self.quick.give_floats(&self.cpu);
+    }
+
+    /// Lets only rsemu execute, not the quick core beside it. Slow; both do the same.
+    pub fn set_reference(&mut self, reference: bool) {
+        self.reference = reference;
+    }
+
+    /// Whether the core would execute an instruction next, not take an exception, with settings that the quick core knows.
+    fn is_calm(&mut self, regs: &Regs) -> bool {
+        if self.cpu.nmi_asserted() {
+            return false;
+        }
+        let (lines, quick) = (&self.lines, &mut self.quick);
+        self.cpu.with_sys(|sys| {
+            // as rsemu does before each instruction: a level is pending until its handler runs
+            for (irq, level) in lines {
+                let exception = Exception(irq + 16);
+                if *level && !sys.is_active(exception) {
+                    sys.set_pending(exception, true);
+                }
+            }
+            // can_run allows no other mask
+            let running = if regs.primask { sys.active_priority().min(0) } else { sys.active_priority() };
+            quick.can_run(sys, regs) && sys.highest_pending().is_none_or(|(_, priority)| priority >= running)
+        })
+    }
+
+    fn quick_core<'a>(&'a mut self, regs: &'a mut Regs) -> Core<'a> {
+        Core {
+            quick: &mut self.quick,
+            regs,
+            cpu: &self.cpu,
+            bank_1: &self.bank_1,
+            ram: &self.ram,
+            ccm: &self.ccm,
+            space: &self.space,
+            shared: &self.shared,
+        }
+    }
+
+    /// One instruction of the quick core, if it knows it: its first half-word and its cycles.
+    fn quick_step(&mut self, regs: &mut Regs) -> Option<(u16, u64)> {
+        if self.shared.recording.get().is_none() {
+            return self.quick_core(regs).step();
+        }
+        let before = *regs;
+        let stepped = self.quick_core(regs).step()?;
+        if let Some(recording) = self.shared.recording.get() {
+            recording.step(&before, regs, [false; 2], |exception| self.image.vector(exception));
+        }
+        Some(stepped)
+    }
+
+    /// One step of rsemu. `ahead`: its registers are old; `calm`: no exception is due.
+    fn slow_step(&mut self, regs: &mut Regs, ahead: bool, calm: bool) -> u64 {
+        let keeps = calm && quick::without_floats(self.quick_core(regs).next());
+        if ahead {
+            self.quick.give(&self.cpu, regs);
+        }
+        if !keeps {
+            self.quick.give_floats(&self.cpu);
+            self.quick.forget_floats();
+        }
+        let cycles = self.step(regs);
+        self.quick.started = true;
+        cycles
     }
 
     /// Whether the core sleeps, or is locked up after a nested fault.
@@ -216,7 +313,7 @@ impl Machine {
             CCM_BASE..CCM_END => {
                 self.ccm.read_value(u64::from(pc - CCM_BASE), Width::U16, Endian::Little).ok()
             }
-            RAM_BASE..OUTSIDE => {
+            RAM_BASE..RAM_END => {
                 self.ram.read_value(u64::from(pc - RAM_BASE), Width::U16, Endian::Little).ok()
             }
             _ => None,
@@ -225,13 +322,20 @@ impl Machine {
     }
 
     /// Cycles that the instruction at an address has waited, with its loads and stores.
-    fn waits(&self, pc: u32, first: u16) -> u64 {
+    fn waits(&mut self, pc: u32, first: u16) -> u64 {
         let of_bus =
             if self.shared.waited.load(Relaxed) == 0 { 0 } else { self.shared.waited.swap(0, Relaxed) };
         let of_code = match pc {
             FLASH_BASE..BANK_2 => {
                 let bytes = if first >> 11 < 0b11101 { 2 } else { 4 };
-                self.shared.waits().fetch(pc, bytes, self.cycles())
+                if pc / LINE == self.line && (pc + bytes - 1) / LINE == self.line {
+                    0
+                } else {
+                    let mut waits = self.shared.waits();
+                    let wait = waits.fetch(pc, bytes, self.cycles());
+                    self.line = waits.current();
+                    wait
+                }
             }
             CCM_BASE..CCM_END => u64::from(loads_literal(first)),
             _ => 0,
@@ -241,7 +345,7 @@ impl Machine {
 
     /// Core cycles since the start, with those that it waited.
     fn cycles(&self) -> u64 {
-        self.cpu.cycles() + self.waited
+        self.cpu.cycles() + self.quick.cycles + self.waited
     }
 
     /// One instruction, or the entry of one exception; `regs` are those before it, and then those after.
@@ -316,6 +420,22 @@ impl Machine {
         }
     }
 
+    /// Priority of what runs, with these registers.
+    fn execution_priority(&self, regs: &Regs) -> i32 {
+        let masked = match (regs.primask, regs.faultmask) {
+            (_, true) => -1,
+            (true, false) => 0,
+            _ => i32::MAX,
+        };
+        self.cpu.with_sys(|sys| {
+            let base = match regs.basepri {
+                0 => i32::MAX,
+                base => i32::from(base & sys.group_mask()),
+            };
+            sys.active_priority().min(masked).min(base)
+        })
+    }
+
     /// A pending control interrupt preempts every handler, unless a critical section masks it.
     fn watch_priority(&mut self, regs: &Regs) {
         if !self.control_pending || self.entered.is_some() {
@@ -323,7 +443,7 @@ impl Machine {
             return;
         }
         let exception = (regs.xpsr & EXCEPTION) as u16;
-        let waits = exception > 15 && exception != 16 + IRQ_ADC1_2 && self.cpu.execution_priority() > 0;
+        let waits = exception > 15 && exception != 16 + IRQ_ADC1_2 && self.execution_priority(regs) > 0;
         self.held_up = if waits { self.held_up + 1 } else { 0 };
         if self.held_up == HELD_UP {
             let why = format!(
@@ -362,6 +482,8 @@ impl Machine {
         self.cpu = core(&self.space);
         // its cycles begin at 0 again: a line that was read ahead would be there only when they are where they were
         *self.shared.waits() = Waits::new();
+        self.line = u32::MAX;
+        self.quick.reset();
         self.lines = Default::default();
         self.shared.touched.store(true, Relaxed);
         self.entered = None;
@@ -458,6 +580,21 @@ impl Machine {
     /// The amplifier reports a fault, or is healthy again.
     pub fn set_amplifier_fault(&mut self, faulty: bool) {
         self.shared.soc().amplifier_fault = faulty;
+    }
+
+    /// Breaks or repairs the absolute encoder.
+    pub fn set_encoder_fault(&mut self, fault: EncoderFault) {
+        self.shared.soc().spi2.chip.fault = fault;
+    }
+
+    /// Breaks or repairs the converter of the load cell on SPI3.
+    pub fn set_converter_fault(&mut self, fault: ConverterFault) {
+        self.shared.soc().spi3.chip.set_fault(fault, self.now);
+    }
+
+    /// Restarts the converter of the load cell on SPI3, which loses its settings.
+    pub fn restart_converter(&mut self) {
+        self.shared.soc().spi3.chip.restart();
     }
 
     /// Breaks or repairs the wire of the force command. Without it the amplifier's input is at 0 V: the full negative force.

@@ -1,7 +1,5 @@
 //! Reset and clock control: oscillators (which start at once), clock security, PLL, switch, enables and resets.
 
-use std::collections::HashMap;
-
 const CR: u32 = 0x00;
 const ICSCR: u32 = 0x04;
 const CFGR: u32 = 0x08;
@@ -77,7 +75,7 @@ pub(crate) type Gate = (u32, u32);
 
 #[derive(Debug)]
 pub(crate) struct Rcc {
-    regs: HashMap<u32, u32>,
+    regs: [u32; 256],
     /// Whether the crystal oscillates once it is switched on.
     crystal: bool,
     /// Deviation of the internal oscillator, parts in 10 000.
@@ -89,7 +87,8 @@ pub(crate) struct Rcc {
 
 impl Rcc {
     pub fn new(cause: ResetCause) -> Self {
-        let regs = HashMap::from([
+        let mut regs = [0; 256];
+        for (offset, value) in [
             (CR, 0x500),
             (ICSCR, 0x4000_0000),
             (CFGR, 0x5),
@@ -105,7 +104,9 @@ impl Rcc {
             (APB1SMENR2, 0x103),
             (APB2SMENR, 0x0437_f801),
             (CSR, cause.flags()),
-        ]);
+        ] {
+            regs[offset as usize / 4] = value;
+        }
         Self { regs, crystal: true, hsi_error: 0, nmi: false, violation: None }
     }
 
@@ -122,12 +123,12 @@ impl Rcc {
         if !oscillates && cr & CR_CSSON != 0 && cr & CR_HSEON != 0 {
             let of_pll = self.reg(PLLCFGR) & 3 == 3;
             let off = CR_HSEON | CR_CSSON | if of_pll { CR_PLLON } else { 0 };
-            self.regs.insert(CR, cr & !off);
+            self.set(CR, cr & !off);
             let cfgr = self.reg(CFGR);
             if cfgr & 3 == 2 || cfgr & 3 == 3 && of_pll {
-                self.regs.insert(CFGR, cfgr & !3 | 1);
+                self.set(CFGR, cfgr & !3 | 1);
             }
-            self.regs.insert(CIFR, CIFR_CSSF);
+            self.set(CIFR, CIFR_CSSF);
             self.nmi = true;
         }
     }
@@ -143,7 +144,13 @@ impl Rcc {
     }
 
     fn reg(&self, offset: u32) -> u32 {
-        self.regs.get(&offset).copied().unwrap_or(0)
+        self.regs.get(offset as usize / 4).copied().unwrap_or(0)
+    }
+
+    fn set(&mut self, offset: u32, value: u32) {
+        if let Some(register) = self.regs.get_mut(offset as usize / 4) {
+            *register = value;
+        }
     }
 
     pub fn read(&self, offset: u32) -> u32 {
@@ -170,10 +177,10 @@ impl Rcc {
             _ => value,
         };
         if offset == CICR && value & CIFR_CSSF != 0 {
-            self.regs.insert(CIFR, 0);
+            self.set(CIFR, 0);
         }
         let before = self.hclk();
-        self.regs.insert(offset, value);
+        self.set(offset, value);
         let now = self.hclk();
         if offset == CFGR && before <= UNDIVIDED_HZ && now > UNDIVIDED_HZ && now == self.sysclk() {
             self.violation = Some(format!("switched from {before} to {now} Hz with an undivided AHB"));

@@ -1,13 +1,17 @@
 //! The chip: peripherals by address, and their connections.
 
 use crate::adc::{Adc, FACTORY_REFERENCE, REFERENCE, Triggered};
+use crate::ads131m02::Ads131m02;
 use crate::dac::Dac;
+use crate::dma::{self, Dma, Transfer};
 use crate::flash::Flash;
 use crate::gpio::Gpio;
 use crate::inject::{Injector, Pulses};
 use crate::iwdg::Iwdg;
 use crate::lpuart::Lpuart;
+use crate::mt6835::Mt6835;
 use crate::rcc::{Gate, Rcc, ResetCause};
+use crate::spi::{Chip, Spi};
 use crate::stats::{Statistics, us};
 use crate::supply::Supply;
 use crate::tim::{CAPTURE_LAG_CYCLES, Tim};
@@ -18,15 +22,20 @@ use std::collections::{BTreeSet, HashMap};
 const TIM2: u32 = 0x4000_0000;
 const TIM7_END: u32 = 0x4000_1800;
 const IWDG: u32 = 0x4000_3000;
+const SPI2: u32 = 0x4000_3800;
+const SPI3: u32 = 0x4000_3c00;
 const PWR: u32 = 0x4000_7000;
 const LPUART1: u32 = 0x4000_8000;
 const EXTI: u32 = 0x4001_0400;
+const DMA1: u32 = 0x4002_0000;
+const DMAMUX_END: u32 = DMA1 + dma::MUX + 0x40;
 const RCC: u32 = 0x4002_1000;
 const FLASH: u32 = 0x4002_2000;
 const GPIOA: u32 = 0x4800_0000;
 const ADC1: u32 = 0x5000_0000;
 const DAC1: u32 = 0x5000_0800;
 
+const AHB1ENR: u32 = 0x48;
 const AHB2ENR: u32 = 0x4c;
 const APB1ENR1: u32 = 0x58;
 const APB1ENR2: u32 = 0x5c;
@@ -34,6 +43,21 @@ const ADC_GATE: Gate = (AHB2ENR, 13);
 const DAC_GATE: Gate = (AHB2ENR, 16);
 const LPUART_GATE: Gate = (APB1ENR2, 0);
 const PWR_GATE: Gate = (APB1ENR1, 28);
+const APB1RSTR1: u32 = 0x38;
+const SPI2_GATE: Gate = (APB1ENR1, 14);
+const SPI3_GATE: Gate = (APB1ENR1, 15);
+const DMA_GATE: Gate = (AHB1ENR, 0);
+const DMAMUX_GATE: Gate = (AHB1ENR, 2);
+
+/// Requests of the DMAMUX: updates of TIM6 and TIM7; receive and transmit of SPI2 and SPI3.
+const UPDATE_REQUESTS: [(usize, u32); 2] = [(4, 8), (5, 9)];
+const SPI2_REQUESTS: [u32; 2] = [12, 13];
+const SPI3_REQUESTS: [u32; 2] = [14, 15];
+/// Alternate functions of SPI2 and SPI3, and their pins: ports and numbers of NSS, SCK, MISO, MOSI.
+const SPI2_FUNCTION: u32 = 5;
+const SPI2_PINS: [(usize, u32); 4] = [(1, 12), (1, 13), (1, 14), (1, 15)];
+const SPI3_FUNCTION: u32 = 6;
+const SPI3_PINS: [(usize, u32); 4] = [(0, 15), (2, 10), (2, 11), (2, 12)];
 
 /// Numbers of the driven interrupt lines.
 pub(crate) const IRQ_ADC1_2: u16 = 18;
@@ -60,6 +84,9 @@ pub(crate) struct Soc {
     tims: [Tim; 6],
     adc: Adc,
     dac: Dac,
+    pub dma: Dma,
+    pub spi2: Spi<Mt6835>,
+    pub spi3: Spi<Ads131m02>,
     pub lpuart: Lpuart,
     iwdg: Iwdg,
     pub flash: Flash,
@@ -80,6 +107,8 @@ pub(crate) struct Soc {
     /// End of the sequence whose step is pending.
     sampled_at: Option<u64>,
     encoder_read: bool,
+    /// Time of the force that the converter on SPI3 has for the pending step.
+    load_used: Option<u64>,
     /// Times of the write of the force and of the end of its sample, until the output.
     awaiting_output: Option<u64>,
     last_output: Option<u64>,
@@ -94,6 +123,9 @@ impl Soc {
             tims: [2, 3, 4, 5, 6, 7].map(Tim::new),
             adc: Adc::new(),
             dac: Dac::new(),
+            dma: Dma::default(),
+            spi2: Spi::new(Mt6835::new()),
+            spi3: Spi::new(Ads131m02::new()),
             lpuart: Lpuart::new(),
             iwdg: Iwdg::new(),
             flash: Flash::new(),
@@ -110,6 +142,7 @@ impl Soc {
             violations: BTreeSet::new(),
             sampled_at: None,
             encoder_read: false,
+            load_used: None,
             awaiting_output: None,
             last_output: None,
             last_fed: None,
@@ -131,6 +164,9 @@ impl Soc {
         self.tims = [2, 3, 4, 5, 6, 7].map(Tim::new);
         self.adc = Adc::new();
         self.dac = Dac::new();
+        self.dma.reset();
+        self.spi2.reset();
+        self.spi3.reset();
         self.lpuart = Lpuart::new();
         self.lpuart.shown = shown;
         self.lpuart.overruns = overruns;
@@ -190,6 +226,27 @@ impl Soc {
                 value
             }
             IWDG..0x4000_3400 => self.iwdg.read(offset),
+            SPI2..0x4000_3c00 => {
+                if self.gate(SPI2_GATE, "SPI2") {
+                    self.spi2.read(offset)
+                } else {
+                    0
+                }
+            }
+            SPI3..0x4000_4000 => {
+                if self.gate(SPI3_GATE, "SPI3") {
+                    self.spi3.read(offset)
+                } else {
+                    0
+                }
+            }
+            DMA1..DMAMUX_END => {
+                if self.gate(DMA_GATE, "DMA1") && self.gate(DMAMUX_GATE, "DMAMUX1") {
+                    self.dma.read(address - DMA1)
+                } else {
+                    0
+                }
+            }
             PWR..0x4000_7400 => {
                 if self.gate(PWR_GATE, "PWR") {
                     self.supply.read_pwr(offset)
@@ -242,6 +299,24 @@ impl Soc {
                 }
             }
             IWDG..0x4000_3400 => self.feed(offset, value, now),
+            SPI2..0x4000_3c00 => {
+                if self.gate(SPI2_GATE, "SPI2") {
+                    self.write_spi(address, value, now);
+                    self.serve(now);
+                }
+            }
+            SPI3..0x4000_4000 => {
+                if self.gate(SPI3_GATE, "SPI3") {
+                    self.write_spi(address, value, now);
+                    self.serve(now);
+                }
+            }
+            DMA1..DMAMUX_END => {
+                if self.gate(DMA_GATE, "DMA1") && self.gate(DMAMUX_GATE, "DMAMUX1") {
+                    self.dma.write(address - DMA1, value);
+                    self.serve(now);
+                }
+            }
             PWR..0x4000_7400 => {
                 if self.gate(PWR_GATE, "PWR") {
                     self.supply.write_pwr(offset, value);
@@ -256,6 +331,9 @@ impl Soc {
             }
             RCC..0x4002_1400 => {
                 self.rcc.write(offset, value);
+                if offset == APB1RSTR1 {
+                    self.reset_spi(value);
+                }
                 self.clock_timers(now);
                 self.check_clock();
             }
@@ -286,6 +364,62 @@ impl Soc {
                 self.other.insert(address, value);
             }
         }
+    }
+
+    /// The other peripherals are not reset one by one.
+    fn reset_spi(&mut self, bits: u32) {
+        if bits >> SPI2_GATE.1 & 1 != 0 {
+            self.spi2.reset();
+        }
+        if bits >> SPI3_GATE.1 & 1 != 0 {
+            self.spi3.reset();
+        }
+    }
+
+    fn write_spi(&mut self, address: u32, value: u32, now: u64) {
+        let wired = |gpio: &[Gpio; 7], pins: [(usize, u32); 4], function| {
+            pins.into_iter().all(|(port, pin)| gpio[port].alternate(pin, function))
+        };
+        let (offset, hz) = (address & 0x3ff, self.rcc.pclk1());
+        if address < SPI3 {
+            self.spi2.wired = wired(&self.gpio, SPI2_PINS, SPI2_FUNCTION);
+            self.spi2.write(offset, value, now, hz, &self.world);
+        } else {
+            self.spi3.wired = wired(&self.gpio, SPI3_PINS, SPI3_FUNCTION);
+            self.spi3.write(offset, value, now, hz, &self.world);
+        }
+        self.violations.extend(self.spi2.violation.take());
+        self.violations.extend(self.spi3.violation.take());
+    }
+
+    /// Makes the transfers that SPI2 and SPI3 ask the DMA for.
+    fn serve(&mut self, now: u64) {
+        loop {
+            let asked = [wants(&self.spi2, SPI2_REQUESTS), wants(&self.spi3, SPI3_REQUESTS)].concat();
+            if !asked.into_iter().flatten().any(|request| self.transfer(request, now)) {
+                break;
+            }
+        }
+    }
+
+    /// Makes the transfer of a request. False if no channel waits for it.
+    fn transfer(&mut self, request: u32, now: u64) -> bool {
+        let Some(transfer) = self.dma.request(request) else { return false };
+        let (Transfer::ToRegister { address, .. } | Transfer::FromRegister { address, .. }) = transfer;
+        if !(SPI2..SPI3 + 0x400).contains(&address) {
+            self.violations.insert(format!("DMA1 at {address:#x}, which is not modelled"));
+            return false;
+        }
+        match transfer {
+            Transfer::ToRegister { value, .. } => self.write_spi(address, value, now),
+            Transfer::FromRegister { channel, .. } => {
+                let offset = address & 0x3ff;
+                let value = if address < SPI3 { self.spi2.read(offset) } else { self.spi3.read(offset) };
+                self.dma.received(channel, value);
+            }
+        }
+        self.violations.extend(self.dma.violation.take());
+        true
     }
 
     fn clock_timers(&mut self, now: u64) {
@@ -353,7 +487,15 @@ impl Soc {
 
     fn force_was_put_out(&mut self, fresh: bool, at: u64) {
         match self.awaiting_output.take() {
-            Some(sampled) if fresh => self.stats.latency_us.add(us(at - sampled)),
+            Some(sampled) if fresh => {
+                self.stats.latency_us.add(us(at - sampled));
+                if let Some(seen) = self.spi2.chip.seen_at {
+                    self.stats.angle_us.add(us(at - seen));
+                }
+                if let Some(seen) = self.load_used.take() {
+                    self.stats.load_us.add(us(at - seen));
+                }
+            }
             _ if self.stats.steps > 0 => self.stats.stale_outputs += 1,
             _ => {}
         }
@@ -388,14 +530,27 @@ impl Soc {
             self.encoder_edge(when, up);
         }
         for index in 0..self.tims.len() {
-            if self.tims[index].advance(at) > 0 && self.tims[index].updates_trigger() {
+            if self.tims[index].advance(at) == 0 {
+                continue;
+            }
+            if self.tims[index].updates_trigger() {
                 self.trigger(index as u8 + 2, at);
             }
+            if let Some((_, request)) = UPDATE_REQUESTS.into_iter().find(|(timer, _)| *timer == index)
+                && self.tims[index].updates_request()
+            {
+                self.transfer(request, at);
+                self.serve(at);
+            }
         }
+        self.spi2.advance(at, &self.world);
+        self.spi3.advance(at, &self.world);
+        self.serve(at);
         if let Some(lost) = self.adc.advance(at) {
             self.stats.missed += u64::from(lost || self.sampled_at.is_some());
             self.sampled_at = Some(at);
             self.encoder_read = false;
+            self.load_used = self.spi3.chip.seen_at;
             self.inject(at);
         }
         self.lpuart.advance(at);
@@ -447,7 +602,12 @@ impl Soc {
     pub fn next_event(&self) -> u64 {
         let tims = self.tims.iter().map(Tim::next_event).min().unwrap_or(u64::MAX);
         let pulse = self.pulses.as_ref().map_or(u64::MAX, |pulses| pulses.next);
-        tims.min(pulse).min(self.adc.next_event()).min(self.lpuart.next_event()).min(self.world.next_event())
+        tims.min(pulse)
+            .min(self.spi2.next_event())
+            .min(self.spi3.next_event())
+            .min(self.adc.next_event())
+            .min(self.lpuart.next_event())
+            .min(self.world.next_event())
     }
 
     /// Interrupt lines and their levels.
@@ -461,6 +621,11 @@ impl Soc {
             _ => (IRQ_LPUART1, tx_rx_wired && self.lpuart.interrupt()),
         })
     }
+}
+
+/// The requests of a bus: receive, transmit.
+fn wants<C: Chip>(spi: &Spi<C>, [receive, send]: [u32; 2]) -> [Option<u32>; 2] {
+    [spi.wants_to_receive().then_some(receive), spi.wants_to_send().then_some(send)]
 }
 
 /// 16-bit level of an ADC input with this supply, mV.

@@ -51,6 +51,10 @@ pub struct Statistics {
     pub compute_us: Summary,
     /// End of conversion to the change of the output, µs.
     pub latency_us: Summary,
+    /// Motion that an absolute encoder shows to the change of the output that answers it, µs.
+    pub angle_us: Summary,
+    /// Force on a load cell with its own converter to the change of the output of the step that sees it, µs.
+    pub load_us: Summary,
     /// Output to output, µs.
     pub output_period_us: Summary,
     /// End of conversion to the reading of the encoder, µs.

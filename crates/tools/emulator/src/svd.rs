@@ -13,14 +13,8 @@ const CHIP: &str = "stm32g474";
 
 /// Values after a reset that the description has wrong: of another chip, or beyond the fields of the register. Those of the register's
 /// page in [rm0440] stand here.
-const RESETS: [(&str, &str, u32); 6] = [
-    ("RCC", "CR", 0x500),
-    ("FLASH", "ACR", 0x0004_0600),
-    ("IWDG", "RLR", 0xfff),
-    ("IWDG", "WINR", 0xfff),
-    ("TIM3", "ARR", 0xffff),
-    ("TIM4", "ARR", 0xffff),
-];
+const RESETS: [(&str, &str, u32); 4] =
+    [("RCC", "CR", 0x500), ("FLASH", "ACR", 0x0004_0600), ("TIM3", "ARR", 0xffff), ("TIM4", "ARR", 0xffff)];
 
 /// A field of a register.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -174,7 +168,9 @@ fn register(listing: &str) -> Result<(u32, Vec<Field>), String> {
     let mut fields: Vec<Field> = Vec::new();
     let mut mask = None;
     for line in listing.lines() {
-        if let Some((_, value)) = line.split_once("const RESET_VALUE: u32 = ") {
+        if let Some((_, value)) = line.split_once("const RESET_VALUE: u")
+            && let Some((_, value)) = value.split_once(" = ")
+        {
             let value = value.trim_end_matches(';');
             reset = match value.strip_prefix("0x") {
                 Some(digits) => hexadecimal(digits)?,

@@ -3,10 +3,13 @@
 //!
 //! Counts are computed from the start time and the length of a count, not stepped.
 
+use std::cell::Cell;
+
 const CR1: u32 = 0x00;
 const CR2: u32 = 0x04;
 const SMCR: u32 = 0x08;
 const DIER: u32 = 0x0c;
+const DIER_UDE: u32 = 1 << 8;
 const SR: u32 = 0x10;
 const EGR: u32 = 0x14;
 const CCMR1: u32 = 0x18;
@@ -26,6 +29,10 @@ const TRIGGER_INPUTS: [(u32, u8); 7] = [(0, 1), (1, 2), (2, 3), (3, 4), (8, 5), 
 
 #[derive(Debug)]
 pub(crate) struct Tim {
+    /// Time before which nothing changes by itself but the count.
+    quiet_until: u64,
+    /// Answer of `next_event`, until something changes.
+    next: Cell<Option<u64>>,
     number: u8,
     wide: bool,
     regs: [u32; 64],
@@ -49,6 +56,8 @@ impl Tim {
         let mut regs = [0; 64];
         regs[ARR as usize / 4] = if wide { u32::MAX } else { 0xffff };
         Self {
+            quiet_until: 0,
+            next: Cell::new(None),
             number,
             wide,
             regs,
@@ -118,6 +127,11 @@ impl Tim {
         self.trigger_output() == 2
     }
 
+    /// Whether every update is a request to the DMA.
+    pub fn updates_request(&self) -> bool {
+        self.reg(DIER) & DIER_UDE != 0
+    }
+
     fn count_length(&self) -> u64 {
         self.cycle.saturating_mul(self.prescaler)
     }
@@ -149,7 +163,14 @@ impl Tim {
         since.saturating_add(total.saturating_sub(base).saturating_mul(self.count_length()))
     }
 
+    /// What comes by itself must be computed again.
+    fn wake(&mut self) {
+        self.quiet_until = 0;
+        self.next.set(None);
+    }
+
     fn restart(&mut self, now: u64, count: u32) {
+        self.wake();
         self.origin = (now, u64::from(count));
         self.seen = u64::from(count);
     }
@@ -157,6 +178,7 @@ impl Tim {
     /// The clock of the bus changed: a running counter goes on at the new rate.
     pub fn set_clock(&mut self, cycle: u64, now: u64) {
         if cycle != self.cycle {
+            self.wake();
             self.origin = (now, self.total(now));
             self.cycle = cycle;
         }
@@ -180,6 +202,7 @@ impl Tim {
     }
 
     pub fn write(&mut self, offset: u32, value: u32, now: u64, cycle: u64) {
+        self.wake();
         match offset {
             CR1 => {
                 let was = self.running();
@@ -221,6 +244,16 @@ impl Tim {
 
     /// Updates the flags to `now`. Returns the number of updates since the last call.
     pub fn advance(&mut self, now: u64) -> u64 {
+        if now < self.quiet_until {
+            return 0;
+        }
+        self.next.set(None);
+        let updates = self.process(now);
+        self.quiet_until = self.next_change();
+        updates
+    }
+
+    fn process(&mut self, now: u64) -> u64 {
         if let Some((at, value)) = self.pending
             && now >= at
         {
@@ -257,29 +290,49 @@ impl Tim {
         updates
     }
 
+    /// Time at which the counter next has this count, after the counts that were processed.
+    fn time_of(&self, count: u64) -> u64 {
+        let modulus = self.modulus();
+        let mut total = self.seen / modulus * modulus + count;
+        if total <= self.seen {
+            total += modulus;
+        }
+        self.time_of_total(total)
+    }
+
+    /// Time of the next change of a flag, or of the next event if that is earlier.
+    fn next_change(&self) -> u64 {
+        let mut next = self.next_event();
+        if self.running() && !self.encoder_mode() {
+            next = next.min(self.time_of(0));
+            for channel in 0..4 {
+                let compare = u64::from(self.reg(CCR1 + 4 * channel));
+                if compare < self.modulus() {
+                    next = next.min(self.time_of(compare));
+                }
+            }
+        }
+        next
+    }
+
     /// Time of the next event that matters.
     pub fn next_event(&self) -> u64 {
-        let mut next = self.pending.map_or(u64::MAX, |(at, _)| at);
-        if !self.running() || self.encoder_mode() {
+        if let Some(next) = self.next.get() {
             return next;
         }
-        let modulus = self.modulus();
-        let dier = self.reg(DIER);
-        let mut at_count = |count: u64| {
-            let mut total = self.seen / modulus * modulus + count;
-            if total <= self.seen {
-                total += modulus;
+        let mut next = self.pending.map_or(u64::MAX, |(at, _)| at);
+        if self.running() && !self.encoder_mode() {
+            let dier = self.reg(DIER);
+            if dier & (1 | DIER_UDE) != 0 || self.updates_trigger() || self.one_pulse() {
+                next = next.min(self.time_of(0));
             }
-            next = next.min(self.time_of_total(total));
-        };
-        if dier & 1 != 0 || self.updates_trigger() || self.one_pulse() {
-            at_count(0);
-        }
-        for channel in 0..4 {
-            if dier >> (channel + 1) & 1 != 0 {
-                at_count(u64::from(self.reg(CCR1 + 4 * channel)));
+            for channel in 0..4 {
+                if dier >> (channel + 1) & 1 != 0 {
+                    next = next.min(self.time_of(u64::from(self.reg(CCR1 + 4 * channel))));
+                }
             }
         }
+        self.next.set(Some(next));
         next
     }
 
@@ -308,6 +361,7 @@ impl Tim {
 
     /// Shifts the count by `skew`, and captures an edge `age` counts ago.
     pub fn replace_capture(&mut self, now: u64, skew: u32, age: Option<u32>) {
+        self.wake();
         let count = self.count(now).wrapping_add(skew);
         if skew != 0 {
             self.restart(now, count);
@@ -324,6 +378,7 @@ impl Tim {
         let source = TRIGGER_INPUTS.iter().find(|(code, _)| *code == selected).map(|(_, timer)| *timer);
         let captures = self.reg(CCMR1) & 3 == 3 && self.reg(CCER) & 1 != 0;
         if source == Some(from) && captures && self.running() && self.number != from {
+            self.wake();
             let at = at + lag_cycles * self.cycle;
             self.pending = Some((at, self.count(at)));
         }

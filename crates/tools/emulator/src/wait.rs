@@ -15,7 +15,7 @@
 //! each line as a core without one, so that flash is never better here than on the chip.
 
 /// Bytes that the flash reads at once in dual-bank mode.
-const LINE: u32 = 8;
+pub(crate) const LINE: u32 = 8;
 /// Entries of the instruction cache and of the data cache.
 const CODE_LINES: usize = 128;
 const DATA_LINES: usize = 32;
@@ -74,6 +74,11 @@ pub(crate) struct Waits {
 impl Waits {
     pub fn new() -> Self {
         Self { acr: 0, code: Cache::new(), data: Cache::new(), current: u32::MAX, ahead: (u32::MAX, 0) }
+    }
+
+    /// Line that the core reads from: another instruction within it does not wait.
+    pub fn current(&self) -> u32 {
+        self.current
     }
 
     /// Settings of FLASH_ACR.

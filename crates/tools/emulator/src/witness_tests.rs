@@ -12,13 +12,16 @@ use stm32_metapac::metadata::{METADATA, Peripheral};
 static REGISTERS: LazyLock<Vec<Register>> = LazyLock::new(|| svd::registers().expect("the sources"));
 
 /// Peripherals that are modelled, with the source of the model.
-const MODELS: [(&str, &str); 18] = [
+const MODELS: [(&str, &str); 21] = [
     ("TIM2", include_str!("tim.rs")),
     ("TIM3", include_str!("tim.rs")),
     ("TIM4", include_str!("tim.rs")),
     ("TIM5", include_str!("tim.rs")),
     ("TIM6", include_str!("tim.rs")),
     ("TIM7", include_str!("tim.rs")),
+    ("SPI2", include_str!("spi.rs")),
+    ("SPI3", include_str!("spi.rs")),
+    ("DMA1", include_str!("dma.rs")),
     ("IWDG", include_str!("iwdg.rs")),
     ("PWR", include_str!("supply.rs")),
     ("EXTI", include_str!("supply.rs")),
@@ -46,7 +49,13 @@ fn chip() -> Soc {
 /// A chip whose clocks to the peripherals are on.
 fn clocked() -> Soc {
     let mut soc = chip();
-    for (offset, bits) in [(AHB2ENR, 1 << 13 | 1 << 16 | 0x7f), (APB1ENR1, 0x3f | 1 << 28), (APB1ENR2, 1)] {
+    let clocks = [
+        (AHB1ENR, 1 | 1 << 2),
+        (AHB2ENR, 1 << 13 | 1 << 16 | 0x7f),
+        (APB1ENR1, 0x3f | 3 << 14 | 1 << 28),
+        (APB1ENR2, 1),
+    ];
+    for (offset, bits) in clocks {
         soc.write(RCC + offset, bits, 0);
     }
     soc
@@ -76,7 +85,8 @@ fn registers_are_reset_to_the_values_of_the_vendor() {
 }
 
 /// Constants of the models that are neither a register nor bits of a field.
-const OTHER_NAMES: [&str; 5] = ["CALIBRATED", "LINE", "OPTR_BOR", "OPTR_RESET", "SR_FLAGS"];
+const OTHER_NAMES: [&str; 7] =
+    ["CALIBRATED", "CHANNEL_0", "LINE", "OPTR_BOR", "OPTR_RESET", "SR_FLAGS", "STRIDE"];
 
 #[test]
 fn names_and_bits_of_the_models_are_those_of_the_vendor() {
@@ -156,6 +166,10 @@ fn addresses_clocks_and_interrupts_are_those_of_metapac() {
         ("DAC1", DAC1, DAC_GATE),
         ("LPUART1", LPUART1, LPUART_GATE),
         ("PWR", PWR, PWR_GATE),
+        ("SPI2", SPI2, SPI2_GATE),
+        ("SPI3", SPI3, SPI3_GATE),
+        ("DMA1", DMA1, DMA_GATE),
+        ("DMAMUX1", DMA1 + dma::MUX, DMAMUX_GATE),
         ("TIM2", TIM2, (APB1ENR1, 0)),
         ("TIM3", TIM2 + 0x400, (APB1ENR1, 1)),
         ("TIM4", TIM2 + 0x800, (APB1ENR1, 2)),
@@ -192,6 +206,22 @@ fn addresses_clocks_and_interrupts_are_those_of_metapac() {
 }
 
 #[test]
+fn requests_of_the_dma_are_those_of_metapac() {
+    for (peripheral, signal, request) in [
+        ("TIM6", "UP", UPDATE_REQUESTS[0].1),
+        ("TIM7", "UP", UPDATE_REQUESTS[1].1),
+        ("SPI2", "RX", SPI2_REQUESTS[0]),
+        ("SPI2", "TX", SPI2_REQUESTS[1]),
+        ("SPI3", "RX", SPI3_REQUESTS[0]),
+        ("SPI3", "TX", SPI3_REQUESTS[1]),
+    ] {
+        let mut channels = metapac(peripheral).dma_channels.iter();
+        let told = channels.find(|channel| channel.signal == signal).and_then(|channel| channel.request);
+        assert_eq!(told, Some(request), "{peripheral} {signal}");
+    }
+}
+
+#[test]
 fn pins_are_those_of_metapac() {
     for (peripheral, signal, pin, function) in [
         ("TIM2", "CH1", "PA0", Some(1)),
@@ -199,6 +229,14 @@ fn pins_are_those_of_metapac() {
         ("LPUART1", "TX", "PA2", Some(12)),
         ("LPUART1", "RX", "PA3", Some(12)),
         ("TIM3", "CH2", "PB5", Some(ENABLE_FUNCTION as u8)),
+        ("SPI2", "NSS", "PB12", Some(SPI2_FUNCTION as u8)),
+        ("SPI2", "SCK", "PB13", Some(SPI2_FUNCTION as u8)),
+        ("SPI2", "MISO", "PB14", Some(SPI2_FUNCTION as u8)),
+        ("SPI2", "MOSI", "PB15", Some(SPI2_FUNCTION as u8)),
+        ("SPI3", "NSS", "PA15", Some(SPI3_FUNCTION as u8)),
+        ("SPI3", "SCK", "PC10", Some(SPI3_FUNCTION as u8)),
+        ("SPI3", "MISO", "PC11", Some(SPI3_FUNCTION as u8)),
+        ("SPI3", "MOSI", "PC12", Some(SPI3_FUNCTION as u8)),
         ("DAC1", "OUT1", "PA4", None),
         ("ADC1", "IN6", "PC0", None),
         ("ADC1", "IN7", "PC1", None),

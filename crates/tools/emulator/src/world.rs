@@ -10,6 +10,8 @@ const AMPLIFIER: (f64, f64) = (2048.0, 11.0 / 2048.0);
 /// Length of a chunk of the rig, 170 MHz ticks: 10 µs.
 const CHUNK_TICKS: u32 = 1_700;
 const UNITS_PER_TICK: u64 = UNITS_PER_SECOND / 170_000_000;
+/// Chunks whose levels are kept.
+const LOADS: usize = 100;
 const CHUNK: u64 = CHUNK_TICKS as u64 * UNITS_PER_TICK;
 
 /// A rig with any law, and the hand on it.
@@ -55,6 +57,8 @@ pub(crate) struct World {
     last_edge: (u64, bool),
     /// Present levels, and those at the end of the chunk.
     levels: (u16, u16),
+    /// Levels of the load cell in the chunks up to the present one, which is the last.
+    loads: VecDeque<u16>,
     force: f64,
     /// As [`AMPLIFIER`].
     amplifier: (f64, f64),
@@ -86,6 +90,7 @@ impl World {
         let sensors = rig.sensors();
         Ok(Self {
             levels: (sensors.load_code, sensors.accel_code),
+            loads: VecDeque::from([sensors.load_code; LOADS]),
             rig: Box::new(rig),
             hand: Box::new(NoHand),
             until: 0,
@@ -121,6 +126,19 @@ impl World {
         self.rig.truth()
     }
 
+    /// Position of the handle at a time shortly before the end of the computed chunk, m.
+    pub fn position_at(&self, at: u64) -> f64 {
+        let truth = self.rig.truth();
+        let ahead = (self.until as f64 - at as f64) / UNITS_PER_SECOND as f64;
+        truth.position - truth.velocity * ahead
+    }
+
+    /// 16-bit level of the load cell at a time of the last millisecond.
+    pub fn load_at(&self, at: u64) -> u16 {
+        let back = (self.until.saturating_sub(at) / CHUNK).saturating_sub(1) as usize;
+        self.loads.iter().rev().nth(back).or(self.loads.front()).copied().unwrap_or(0)
+    }
+
     pub fn force(&self) -> f64 {
         self.force
     }
@@ -150,6 +168,8 @@ impl World {
             let (zero, newton_per_code) = self.amplifier;
             self.force = code.map_or(0.0, |code| (code - zero) * newton_per_code);
             self.levels = (self.sensors.load_code, self.sensors.accel_code);
+            self.loads.pop_front();
+            self.loads.push_back(self.levels.0);
             let before = self.sensors;
             let start = self.until;
             self.sensors = self.rig.tick(self.force, &mut *self.hand);
