@@ -4,7 +4,7 @@ use crate::experiment::answers::Answers;
 use crate::experiment::design::Designer;
 use crate::experiment::moves::Limits;
 use crate::findings;
-use crate::findings::ambiguity::{Rival, blind, equivalents, rejected};
+use crate::findings::ambiguity::{Rival, blind, rejected, rivals};
 use crate::findings::free_run::{self, Plant};
 use crate::findings::locate::{locate, row_motion, row_times};
 use crate::findings::nuisance;
@@ -37,7 +37,6 @@ use crate::search::regression::Regression;
 use friction::Dimension;
 use friction::effects::{Describe, Parameter, Unnamed};
 use friction::parameters::{DELAY, DELTA_V};
-use rayon::prelude::*;
 use signals::{
     Channels, FaultKind, Noise, Preparation, Recording, RecordingFault, central_difference, derived_noise,
     implausible_mass,
@@ -212,7 +211,7 @@ fn with_delay(stretches: &[Channels], cutoff: f64, reversals: Reversals) -> Opti
         return DesignMatrix::new(stretches, cutoff, reversals, false);
     };
     let at = |values: &[f64]| values.get(design.present.len()).copied();
-    match at(&first.fit.coefficients).zip(at(&first.fit.std_errors)) {
+    match at(&first.fit.coefficients).zip(at(first.fit.std_errors())) {
         Some((delay, std)) if delay.abs() - 3.0 * std <= dt => Some(design),
         _ => DesignMatrix::new(stretches, cutoff, reversals, false),
     }
@@ -242,11 +241,13 @@ impl Run<'_> {
         let search = named.search(options, cutoff);
         let mut found = named.found.clone();
         let joint = Joint::of(&search, &found);
-        found.fit.std_errors = (0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect();
+        found.fit.set_std_errors((0..found.fit.coefficients.len()).map(|i| joint.gain(i)).collect());
         let mut last = named.last.clone();
-        for (std, joint) in last.fit.std_errors.iter_mut().zip(&found.fit.std_errors) {
+        let mut std_errors = last.fit.std_errors().to_vec();
+        for (std, joint) in std_errors.iter_mut().zip(found.fit.std_errors()) {
             *std = std.max(*joint);
         }
+        last.fit.set_std_errors(std_errors);
 
         tell(watch, 0.85, "location")?;
         let columns = Hypothesis::columns(design, &[]);
@@ -292,8 +293,7 @@ impl Run<'_> {
         tell(watch, 0.9, "rivals")?;
         let plant = self.plant(&last);
         let frequency = self.intake.stretches.iter().map(Channels::dominant_frequency).fold(0.0, f64::max);
-        let rivals: Vec<Vec<Rival>> =
-            (0..found.atoms.len()).into_par_iter().map(|i| equivalents(&search, &found, i)).collect();
+        let rivals: Vec<Vec<Rival>> = rivals(&search, &found);
         let whole = design.unmasked();
         let blind = blind(&search, &found, &whole, &named.unavailable, geometry);
         let rival = rivals.iter().flatten().map(|r| r.about.id.to_string());
@@ -442,7 +442,7 @@ impl Run<'_> {
     /// What the audit said, and what only the fit could see.
     fn faults(&self, found: &Hypothesis) -> Vec<RecordingFault> {
         let mut faults = self.intake.faults.clone();
-        let mass = found.fit.coefficients.first().zip(found.fit.std_errors.first());
+        let mass = found.fit.coefficients.first().zip(found.fit.std_errors().first());
         faults.extend(mass.and_then(|(mass, std)| implausible_mass(*mass, *std, self.intake.geometry)));
         for (i, atom) in found.atoms.iter().enumerate() {
             let TermKind::Series(kind) = atom.term.kind else { continue };
@@ -476,7 +476,7 @@ impl Run<'_> {
     }
 
     fn parameters(&self, fit: &Fit) -> BTreeMap<String, Quantity> {
-        let estimates = fit.coefficients.iter().copied().zip(fit.std_errors.iter().copied());
+        let estimates = fit.coefficients.iter().copied().zip(fit.std_errors().iter().copied());
         self.design()
             .present
             .iter()
@@ -643,7 +643,7 @@ impl Run<'_> {
         };
         let from = self.design().present.len() + usize::from(self.design().delay);
         let columns = self.named.regression.declared.iter().enumerate().map(|(i, d)| {
-            of(d.recording, d.nuisance, found.fit.coefficients[from + i], found.fit.std_errors[from + i])
+            of(d.recording, d.nuisance, found.fit.coefficients[from + i], found.fit.std_errors()[from + i])
         });
         let origins = self.origins.iter().map(|(recording, found)| {
             let (value, std) = found.unwrap_or((0.0, f64::NAN));

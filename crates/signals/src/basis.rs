@@ -47,26 +47,52 @@ fn dots(columns: [&[f64]; TOGETHER], with: &[f64]) -> [f64; TOGETHER] {
     if cfg!(target_arch = "wasm32") {
         return columns.map(|column| dot(column, with));
     }
+    Arch::new().dispatch(
+        #[inline(always)]
+        || sums_of(columns, with),
+    )
+}
+
+/// Inner products of `L` columns with one, each in eight partial sums.
+#[inline(always)]
+fn sums_of<const L: usize>(columns: [&[f64]; L], with: &[f64]) -> [f64; L] {
     let n = columns.iter().map(|c| c.len()).fold(with.len(), usize::min);
     let columns = columns.map(|c| c[..n].as_chunks::<8>());
     let (with, rest) = with[..n].as_chunks::<8>();
-    let sums = Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            let mut sums = [[0.0; 8]; TOGETHER];
-            for (k, x) in with.iter().enumerate() {
-                for (sum, (column, _)) in sums.iter_mut().zip(&columns) {
-                    for ((s, q), x) in sum.iter_mut().zip(&column[k]).zip(x) {
-                        *s += q * x;
-                    }
-                }
+    let mut sums = [[0.0; 8]; L];
+    for (k, x) in with.iter().enumerate() {
+        for (sum, (column, _)) in sums.iter_mut().zip(&columns) {
+            for ((s, q), x) in sum.iter_mut().zip(&column[k]).zip(x) {
+                *s += q * x;
             }
-            sums
-        },
-    );
+        }
+    }
     std::array::from_fn(|i| {
         sums[i].iter().sum::<f64>() + columns[i].1.iter().zip(rest).map(|(q, x)| q * x).sum::<f64>()
     })
+}
+
+/// Inner products of a column with each of `others` over the rows between neighbouring `edges`: all those of the first block
+/// of rows, then those of the next.
+#[must_use]
+pub fn block_products(column: &[f64], others: &[&[f64]], edges: &[usize]) -> Vec<f64> {
+    let mut out = Vec::with_capacity(others.len() * edges.len().saturating_sub(1));
+    Arch::new().dispatch(
+        #[inline(always)]
+        move || {
+            for rows in edges.windows(2).map(|edge| edge[0]..edge[1]) {
+                let with = &column[rows.clone()];
+                let (groups, rest) = others.as_chunks::<TOGETHER>();
+                for group in groups {
+                    out.extend(sums_of(group.map(|c| &c[rows.clone()]), with));
+                }
+                for c in rest {
+                    out.extend(sums_of([&c[rows.clone()]], with));
+                }
+            }
+            out
+        },
+    )
 }
 
 /// [`subtract_scaled`] of several columns from one.
@@ -139,10 +165,25 @@ impl Basis {
         rest
     }
 
+    /// Squared length of the part of `column` outside the span.
+    #[must_use]
+    pub fn left(&self, column: &[f64]) -> f64 {
+        let whole = dot(column, column);
+        let left = whole - self.captured(column);
+        // a difference of nearly equal squares says nothing
+        if left > 0.01 * whole {
+            return left;
+        }
+        let rest = self.project_out(column);
+        dot(&rest, &rest)
+    }
+
     /// Squared length of the part of `column` inside the span.
     #[must_use]
     pub fn captured(&self, column: &[f64]) -> f64 {
-        self.columns.iter().map(|q| dot(q, column).powi(2)).sum()
+        let (groups, others) = self.columns.as_chunks::<TOGETHER>();
+        let along = groups.iter().flat_map(|group| dots(group.each_ref().map(Vec::as_slice), column));
+        along.chain(others.iter().map(|q| dot(q, column))).map(|x| x * x).sum()
     }
 }
 
@@ -157,6 +198,23 @@ pub fn random_signs(draws: usize, blocks: usize, seed: u64) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn products_by_block_are_those_of_the_rows() {
+        let wave = |w: f64| (0..203).map(|i| (f64::from(i) * w).sin()).collect::<Vec<f64>>();
+        let columns = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6].map(wave);
+        let others: Vec<&[f64]> = columns[1..].iter().map(Vec::as_slice).collect();
+        let products = block_products(&columns[0], &others, &[0, 7, 100, 203]);
+        let rows = [0..7, 7..100, 100..203];
+        let expected =
+            rows.iter().flat_map(|r| others.iter().map(|c| dot(&columns[0][r.clone()], &c[r.clone()])));
+        assert!(products.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12) && products.len() == 15);
+        let basis = Basis::of(&others);
+        let rest = basis.project_out(&columns[0]);
+        assert!((basis.left(&columns[0]) / dot(&rest, &rest) - 1.0).abs() < 1e-9);
+        let inside: Vec<f64> = columns[1].iter().zip(&columns[2]).map(|(a, b)| a - b).collect();
+        assert!(basis.left(&inside) < 1e-24 * dot(&inside, &inside));
+    }
 
     #[test]
     fn dependent_columns_add_no_direction() {

@@ -26,7 +26,7 @@ mod stretches;
 pub use audit::{
     Audit, FaultKind, Jump, RecordingFault, audit, implausible_mass, jumps, regressed, without_outliers,
 };
-pub use basis::{Basis, dot, random_signs, subtract_scaled};
+pub use basis::{Basis, block_products, dot, random_signs, subtract_scaled};
 pub use bridge::{Bridged, bridged};
 pub use error::{Error, Place};
 pub use filter::{

@@ -6,3 +6,4 @@ pub mod evidence;
 pub mod moves;
 pub mod other_means;
 pub mod proposal;
+mod signatures;

@@ -1,6 +1,7 @@
 //! Moves a device can be asked for, what it can do, and how a body follows.
 
 use crate::findings::free_run::Plant;
+use crate::library::quick::Quick;
 use friction::Motion;
 use friction::effects::MAX_MEMORY;
 use haptics::generator::Generator;
@@ -156,7 +157,8 @@ pub(crate) fn simulate(plant: &Plant, limits: &Limits, motion: &Move, dt: f64) -
     let kept = (motion.seconds / dt) as usize;
     let mut here = motion.amplitude * f64::from(generator.next());
     let (mut x, mut v) = (here, 0.0_f64);
-    let mut memory = vec![[0.0; MAX_MEMORY]; plant.effects.len()];
+    let mut memory = vec![[Quick(0.0); MAX_MEMORY]; plant.effects.len()];
+    let shapes: Vec<_> = plant.effects.iter().map(|(_, _, shape)| shape.map(Quick)).collect();
     let mut out = Travel::default();
     for sample in 0..skipped + kept {
         let next = motion.amplitude * f64::from(generator.next());
@@ -166,18 +168,18 @@ pub(crate) fn simulate(plant: &Plant, limits: &Limits, motion: &Move, dt: f64) -
             let drive = (limits.stiffness * (asked - x) + limits.damping * (rate - v))
                 .clamp(-limits.force, limits.force);
             let mut extra = 0.0;
-            for ((kind, gains, shape), memory) in plant.effects.iter().zip(&mut memory) {
-                let motion = Motion {
-                    dt: h,
-                    position: x,
-                    displacement: v * h,
-                    velocity: v,
-                    applied: drive,
-                    mass: 0.0,
-                    normal: None,
-                };
+            let motion = Motion {
+                dt: Quick(h),
+                position: Quick(x),
+                displacement: Quick(v * h),
+                velocity: Quick(v),
+                applied: Quick(drive),
+                mass: Quick(0.0),
+                normal: None,
+            };
+            for (((kind, gains, _), shape), memory) in plant.effects.iter().zip(&shapes).zip(&mut memory) {
                 let unit = kind.unit(shape, memory, &motion);
-                extra += unit.iter().zip(gains).map(|(u, g)| u * g).sum::<f64>();
+                extra += unit.iter().zip(gains).map(|(Quick(u), g)| u * g).sum::<f64>();
             }
             let way = usize::from(v < 0.0);
             let free = v + h * (drive - plant.viscous[way] * v - extra) / mass;

@@ -8,10 +8,14 @@ use crate::result::{Blind, Rejected};
 use crate::search::catalogue::{CONCEALED, is_shown};
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::{COLLINEAR, Search};
+use crate::search::overlap::Overlap;
 use crate::search::refine::ROUGH;
 use friction::effects::{About, CATALOGUE};
 use friction::{Dimension, Geometry, Unit};
+use nalgebra::DVector;
+use rayon::prelude::*;
 use signals::{Basis, dot};
+use std::borrow::Borrow;
 
 /// What makes the moments around reversals that are set aside shorter.
 const FASTER_REVERSALS: &str =
@@ -29,8 +33,14 @@ pub struct Rival {
     pub fit: Option<Hypothesis>,
 }
 
-/// Other effects that explain term `i` of `found` as well as it does.
-pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> {
+/// Other effects that explain the terms of `found` as well as each of them does.
+pub fn rivals(search: &Search, found: &Hypothesis) -> Vec<Vec<Rival>> {
+    let overlap =
+        Overlap::new(search.catalogue.testable(), &Hypothesis::columns(search.design, &found.atoms));
+    (0..found.atoms.len()).into_par_iter().map(|i| equivalents(search, found, &overlap, i)).collect()
+}
+
+fn equivalents(search: &Search, found: &Hypothesis, overlap: &Overlap, i: usize) -> Vec<Rival> {
     let design = search.design;
     let mut others = found.atoms.clone();
     let named = others.remove(i);
@@ -39,16 +49,22 @@ pub fn equivalents(search: &Search, found: &Hypothesis, i: usize) -> Vec<Rival> 
     let size = dot(&contribution, &contribution);
     let mut out = Vec::new();
     let without = Hypothesis::new(design, others.clone());
+    let from = found.offset(design, i);
+    let own = from..from + named.columns.len();
+    let part = |c: usize| if own.contains(&c) { found.fit.coefficients[c] } else { 0.0 };
+    let all = found.fit.coefficients.len();
+    let Some(span) =
+        overlap.span((0..all).filter(|c| !own.contains(c)).collect(), DVector::from_fn(all, |c, _| part(c)))
+    else {
+        return out;
+    };
     for kind in TermKind::all() {
         if found.atoms.iter().any(|a| a.term.kind == kind) {
             continue;
         }
-        let best = search
-            .catalogue
-            .testable()
-            .into_iter()
-            .filter(|a| a.term.kind == kind)
-            .map(|a| (Basis::of(&a.outside(&basis)).captured(&contribution), a))
+        let best = (0..overlap.atoms.len())
+            .filter(|a| overlap.atoms[*a].term.kind == kind)
+            .map(|a| (overlap.captured(&span, a), overlap.atoms[a]))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((captured, atom)) = best else { continue };
         // A grid point is not the best shape yet: let in a little less and refine.
@@ -236,8 +252,8 @@ pub fn rejected(
 }
 
 /// Sum of squares over all columns.
-fn power(columns: &[Vec<f64>]) -> f64 {
-    columns.iter().map(|c| dot(c, c)).sum()
+fn power(columns: &[impl Borrow<Vec<f64>>]) -> f64 {
+    columns.iter().map(|c| dot(c.borrow(), c.borrow())).sum()
 }
 
 /// What the atom captures of the residual, and the upper bound of its force in the samples in use.

@@ -27,7 +27,7 @@ pub fn model(intake: &Intake, design: &DesignMatrix, found: &Hypothesis, cutoff:
         cutoff_hz: Some(cutoff),
         ..Model::default()
     };
-    for (i, std) in design.present.iter().zip(&found.fit.std_errors) {
+    for (i, std) in design.present.iter().zip(found.fit.std_errors()) {
         let parameter = &BASELINE[*i];
         model.std.insert(preset_name(model.law.id(), parameter.name).into(), *std);
     }

@@ -174,7 +174,7 @@ impl Frozen<'_> {
             let rest = self.rest(design, hypothesis, phases);
             match fit(&columns, &rest, &blocks, 4) {
                 Some(f) => {
-                    let values = f.coefficients.iter().zip(&f.std_errors);
+                    let values = f.coefficients.iter().zip(f.std_errors());
                     let fitted = linear.iter().zip(values).map(|((n, _), (v, s))| (*n, *v, *s)).collect();
                     (dot(&f.residual, &f.residual), fitted)
                 }

@@ -121,7 +121,7 @@ impl Described {
         for term in &mut self.terms {
             let own = from..from + term.columns.len();
             from = own.end;
-            *term = term.clone().fitted(&self.fit.coefficients[own.clone()], &self.fit.std_errors[own]);
+            *term = term.clone().fitted(&self.fit.coefficients[own.clone()], &self.fit.std_errors()[own]);
         }
     }
 }

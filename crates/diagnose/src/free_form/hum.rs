@@ -227,7 +227,7 @@ fn hum(
             columns.iter().cloned().chain(rest.columns(f64::from(harmonic) * frequency)).collect();
         let fitted = with(&more)?;
         let own = design.baseline.len() + columns.len()..fitted.coefficients.len();
-        let t = own.map(|k| (fitted.coefficients[k] / fitted.std_errors[k]).abs()).fold(0.0, f64::max);
+        let t = own.map(|k| (fitted.coefficients[k] / fitted.std_errors()[k]).abs()).fold(0.0, f64::max);
         if t > MIN_T_STATISTIC && fitted.heldout_sum() < after.heldout_sum() {
             harmonics.push(harmonic);
             (columns, after) = (more, fitted);
@@ -251,12 +251,12 @@ fn hum(
         rest.recordings.iter().enumerate().map(|(k, r)| (*r, of(&after.coefficients, k))).collect();
     // a frequency is as sure as its phase is over the recording: of a line in noise, sqrt(6)/(pi T) of the relative error
     let [c, s] = of(&after.coefficients, 0)[0];
-    let [dc, ds] = of(&after.std_errors, 0)[0];
+    let [dc, ds] = of(after.std_errors(), 0)[0];
     let relative = dc.max(ds) / c.hypot(s);
     let std_frequency = 3f64.sqrt() / (std::f64::consts::PI * rest.seconds) * relative;
     Some(Hum {
         frequency: (frequency, std_frequency),
-        std: of(&after.std_errors, 0),
+        std: of(after.std_errors(), 0),
         harmonics,
         waves,
         squared: (without / rows, with / rows),

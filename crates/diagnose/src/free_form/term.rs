@@ -47,7 +47,7 @@ impl DesignMatrix {
             });
             let mut out: [Vec<f64>; LANES] = std::array::from_fn(|_| Vec::with_capacity(self.share.len()));
             for (track, series) in self.tracks.iter().zip(series) {
-                track.passed_rows(&series, &mut out);
+                track.passed_rows(series, &mut out);
             }
             out
         };

@@ -3,6 +3,8 @@
 
 use crate::library::applied_force::AppliedForce;
 use crate::library::baseline::{BACKWARD, BASELINE, FORWARD, Physics};
+use crate::library::kept::{Column, Kept};
+use crate::library::quick::Quick;
 use crate::library::series;
 use crate::library::term::{Term, TermKind};
 use crate::preparation::track::{Reversals, Track};
@@ -13,15 +15,27 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use signals::{Channels, central_difference, noise_std};
+use std::sync::Arc;
+
+/// Series that go through the filter together.
+const LANES: usize = 8;
+
+/// Number of shapes of an effect that share one pass over the motion.
+pub fn shapes_together(kind: TermKind) -> usize {
+    match kind {
+        TermKind::Force(kind) => LANES / kind.gains().len().max(1),
+        TermKind::Series(_) => 1,
+    }
+}
 
 /// Sums of the columns that share a gain.
-pub fn gather(all: &[Vec<f64>], groups: &[&[usize]]) -> Vec<Vec<f64>> {
+pub fn gather(all: &[&[f64]], groups: &[&[usize]]) -> Vec<Vec<f64>> {
     groups
         .iter()
         .map(|members| {
-            let mut sum = vec![0.0; all.first().map_or(0, Vec::len)];
+            let mut sum = vec![0.0; all.first().map_or(0, |c| c.len())];
             for column in members.iter().filter_map(|m| all.get(*m)) {
-                for (s, x) in sum.iter_mut().zip(column) {
+                for (s, x) in sum.iter_mut().zip(*column) {
                     *s += x;
                 }
             }
@@ -48,6 +62,8 @@ pub struct DesignMatrix {
     pub present: Vec<usize>,
     /// The delay of the force is the column of the baseline behind them.
     pub delay: bool,
+    /// Columns computed lately.
+    kept: Kept,
 }
 
 impl DesignMatrix {
@@ -90,14 +106,30 @@ impl DesignMatrix {
 
     /// Columns of a term, one per free gain.
     pub fn columns(&self, term: &Term) -> Vec<Vec<f64>> {
-        gather(&self.all_columns(term.kind, &term.shape), term.free_gains())
+        let all = self.all_columns(term.kind, &term.shape);
+        gather(&all.iter().map(Vec::as_slice).collect::<Vec<_>>(), term.free_gains())
+    }
+
+    /// The same, of those that were computed lately as they are known.
+    pub fn kept_columns(&self, term: &Term) -> Arc<[Column]> {
+        self.kept.get(term, || self.columns(term))
     }
 
     /// Columns of an effect, one per gain.
     pub fn all_columns(&self, kind: TermKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
+        self.columns_at(kind, std::slice::from_ref(shape)).pop().unwrap_or_default()
+    }
+
+    /// The same at as many shapes as [`shapes_together`] says, in one pass over the motion.
+    pub fn columns_at(&self, kind: TermKind, shapes: &[[f64; MAX_SHAPE]]) -> Vec<Vec<Vec<f64>>> {
         match kind {
-            TermKind::Series(kind) => self.series_columns(kind, shape),
-            TermKind::Force(kind) => self.force_columns(kind, shape),
+            TermKind::Series(kind) => shapes.iter().map(|shape| self.series_columns(kind, shape)).collect(),
+            TermKind::Force(kind) => match kind.gains().len() * shapes.len() {
+                0 | 1 => self.force_columns::<1>(kind, shapes),
+                2 => self.force_columns::<2>(kind, shapes),
+                3 | 4 => self.force_columns::<4>(kind, shapes),
+                _ => self.force_columns::<LANES>(kind, shapes),
+            },
         }
     }
 
@@ -112,35 +144,44 @@ impl DesignMatrix {
         (0..kind.about().gains.len()).map(column).collect()
     }
 
-    fn force_columns(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
-        match kind.gains().len() {
-            0 | 1 => self.force_lanes::<1>(kind, shape),
-            2 => self.force_lanes::<2>(kind, shape),
-            3 => self.force_lanes::<3>(kind, shape),
-            _ => self.force_lanes::<MAX_GAINS>(kind, shape),
-        }
-    }
-
-    /// Rows of the force per unit of each of `L` gains.
-    fn force_lanes<const L: usize>(&self, kind: EffectKind, shape: &[f64; MAX_SHAPE]) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::with_capacity(self.share.len()); L];
-        for (track, series) in self.tracks.iter().zip(self.units::<L>(kind, shape)) {
-            track.passed_rows(&series, &mut out);
-        }
-        out
-    }
-
-    /// Force per unit of each of `L` gains at every sample of every track.
-    pub(crate) fn units<const L: usize>(
+    /// Rows of the force per unit of each gain at each shape, in `L` lanes: the gains of the first shape, of the next, ….
+    fn force_columns<const L: usize>(
         &self,
         kind: EffectKind,
-        shape: &[f64; MAX_SHAPE],
-    ) -> Vec<Vec<[f64; L]>> {
+        shapes: &[[f64; MAX_SHAPE]],
+    ) -> Vec<Vec<Vec<f64>>> {
+        let mut out = vec![Vec::with_capacity(self.share.len()); L];
+        for (track, series) in self.tracks.iter().zip(self.units::<L>(kind, shapes)) {
+            track.passed_rows(series, &mut out);
+        }
+        let mut columns = out.into_iter();
+        let gains = kind.gains().len();
+        shapes.iter().map(|_| columns.by_ref().take(gains).collect()).collect()
+    }
+
+    /// Force per unit of each gain at each shape, at every sample of every track.
+    fn units<const L: usize>(&self, kind: EffectKind, shapes: &[[f64; MAX_SHAPE]]) -> Vec<Vec<[f64; L]>> {
+        let gains = kind.gains().len();
+        let shapes: Vec<[Quick; MAX_SHAPE]> = shapes.iter().map(|shape| shape.map(Quick)).collect();
         self.walk(
-            || [0.0; MAX_MEMORY],
-            |memory, motion| {
-                let unit = kind.unit(shape, memory, motion);
-                std::array::from_fn(|l| if unit[l].is_finite() { unit[l] } else { 0.0 })
+            || [[Quick(0.0); MAX_MEMORY]; L],
+            |memories, motion| {
+                let motion = Motion {
+                    dt: Quick(motion.dt),
+                    position: Quick(motion.position),
+                    displacement: Quick(motion.displacement),
+                    velocity: Quick(motion.velocity),
+                    applied: Quick(motion.applied),
+                    mass: Quick(motion.mass),
+                    normal: motion.normal.map(Quick),
+                };
+                let mut lanes = [0.0; L];
+                for ((shape, memory), lanes) in shapes.iter().zip(memories).zip(lanes.chunks_mut(gains)) {
+                    for (lane, Quick(unit)) in lanes.iter_mut().zip(kind.unit(shape, memory, &motion)) {
+                        *lane = if unit.is_finite() { unit } else { 0.0 };
+                    }
+                }
+                lanes
             },
         )
     }
@@ -265,7 +306,8 @@ impl DesignMatrix {
         if share.iter().filter(|s| **s > 0.5).count() < FEWEST_ROWS {
             return None;
         }
-        let mut design = Self { tracks, share, blocks, y: Vec::new(), baseline: Vec::new(), present, delay };
+        let (y, baseline, kept) = (Vec::new(), Vec::new(), Kept::default());
+        let mut design = Self { tracks, share, blocks, y, baseline, present, delay, kept };
         design.fill();
         let first = fit(&design.baseline, &design.y, &design.blocks, 4);
         if let Some(first) = &first {
@@ -385,7 +427,7 @@ impl DesignMatrix {
             })
             .collect();
         for (kind, gains, shape) in &acting.effects {
-            for (force, units) in forces.iter_mut().zip(self.units::<MAX_GAINS>(*kind, shape)) {
+            for (force, units) in forces.iter_mut().zip(self.units::<MAX_GAINS>(*kind, &[*shape])) {
                 for (f, unit) in force.iter_mut().zip(units) {
                     *f += unit.iter().zip(gains).map(|(u, g)| u * g).sum::<f64>();
                 }
@@ -394,5 +436,6 @@ impl DesignMatrix {
         for (track, force) in self.tracks.iter_mut().zip(forces) {
             track.force_model = force;
         }
+        self.kept = Kept::default();
     }
 }

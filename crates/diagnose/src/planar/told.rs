@@ -59,7 +59,7 @@ impl Told<'_> {
             let (name, unit) = BASELINE[*place];
             out.insert(
                 name.to_string(),
-                quantity(h.fit.coefficients[column], h.fit.std_errors[column], unit),
+                quantity(h.fit.coefficients[column], h.fit.std_errors()[column], unit),
             );
         }
         if let (Some(mass), Some(difference)) = (out.remove("mass"), out.remove("mass_difference")) {
@@ -67,7 +67,7 @@ impl Told<'_> {
             out.insert("mass_x".into(), quantity(mass.value + difference.value, std, "kg"));
             out.insert("mass_y".into(), quantity(mass.value - difference.value, std, "kg"));
         } else {
-            out.insert("mass".into(), quantity(h.fit.coefficients[0], h.fit.std_errors[0], "kg"));
+            out.insert("mass".into(), quantity(h.fit.coefficients[0], h.fit.std_errors()[0], "kg"));
         }
         out
     }
@@ -79,7 +79,7 @@ impl Told<'_> {
         let (values, from) = (h.coefficients(i), h.offset(i));
         let mut out = BTreeMap::new();
         if term.kind == Kind::Anisotropy {
-            let stds = [h.fit.std_errors[from], h.fit.std_errors[from + 1]];
+            let stds = [h.fit.std_errors()[from], h.fit.std_errors()[from + 1]];
             let e = h.ellipse.c.hypot(h.ellipse.s).max(1e-9);
             let (c, s) = (h.ellipse.c / e, h.ellipse.s / e);
             let along = (c * stds[0]).hypot(s * stds[1]);
@@ -101,7 +101,7 @@ impl Told<'_> {
                     if suffix.is_empty() { parameter.name.trim_end_matches("_p") } else { parameter.name };
                 let q = quantity(
                     values[column],
-                    h.fit.std_errors[from + column],
+                    h.fit.std_errors()[from + column],
                     parameter.unit(Geometry::Linear).to_string(),
                 );
                 out.insert(format!("{name}{suffix}"), q);

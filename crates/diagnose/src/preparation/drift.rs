@@ -51,7 +51,7 @@ fn of(design: &DesignMatrix, recording: usize) -> Option<Drift> {
     columns.push(column(&|t, i| t.x[i].powi(3)));
     columns.push(column(&|t, i| t.sign[i] * t.x[i]));
     let found = fit(&columns, &design.y, &design.blocks, FOLDS)?;
-    let slope = (found.coefficients[5], found.std_errors[5]);
+    let slope = (found.coefficients[5], found.std_errors()[5]);
     let duration = to - from;
     let noise =
         design.tracks.iter().map(|t| t.noise.force * t.filter.white_gain(t.stride)).fold(0.0, f64::max);

@@ -254,9 +254,11 @@ impl Track {
     }
 
     /// [`Self::pass`] and [`Self::rows`] of several series at once, each onto its own column.
-    pub fn passed_rows<const L: usize>(&self, series: &[[f64; L]], out: &mut [Vec<f64>]) {
-        let masked: Vec<[f64; L]> = series.iter().zip(&self.mask).map(|(x, m)| x.map(|x| x * m)).collect();
-        let filtered = self.filter.apply_lanes(&masked);
+    pub fn passed_rows<const L: usize>(&self, mut series: Vec<[f64; L]>, out: &mut [Vec<f64>]) {
+        for (x, m) in series.iter_mut().zip(&self.mask) {
+            *x = x.map(|x| x * m);
+        }
+        let filtered = self.filter.apply_lanes(&series);
         let share = 1.0 / self.stride as f64;
         for (samples, mask) in filtered.chunks_exact(self.stride).zip(self.mask.chunks_exact(self.stride)) {
             let mut sum = [0.0; L];

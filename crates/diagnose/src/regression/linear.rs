@@ -5,6 +5,7 @@ use signals::{dot, subtract_scaled};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::borrow::Borrow;
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// Groups of blocks left out in turn.
 pub const FOLDS: usize = 10;
@@ -42,6 +43,7 @@ impl Blocks {
 }
 
 /// Normal equations of one block.
+#[derive(Debug)]
 struct Normal {
     gram: DMatrix<f64>,
     moment: DVector<f64>,
@@ -52,8 +54,10 @@ struct Normal {
 pub struct Fit {
     /// Coefficients over all rows.
     pub coefficients: Vec<f64>,
-    /// Cluster-robust standard std_errors: the jackknife over blocks.
-    pub std_errors: Vec<f64>,
+    /// Cluster-robust standard errors, once they were asked for.
+    std_errors: OnceLock<Vec<f64>>,
+    /// What they follow from.
+    known: Arc<Known>,
     /// Residual over all rows.
     pub residual: Vec<f64>,
     /// Squared error of each block, predicted by a fit without it and its neighbours.
@@ -62,7 +66,27 @@ pub struct Fit {
     pub heldout_prediction: Vec<f64>,
 }
 
+/// Normal equations of all blocks, and their inverse.
+#[derive(Debug)]
+struct Known {
+    normals: Vec<Normal>,
+    gram: DMatrix<f64>,
+    moment: DVector<f64>,
+    cover: DMatrix<f64>,
+}
+
 impl Fit {
+    /// Cluster-robust standard errors: the jackknife over blocks. Most fits of a search are compared by what they hold out and
+    /// never asked for them.
+    pub fn std_errors(&self) -> &[f64] {
+        self.std_errors.get_or_init(|| self.known.std_errors())
+    }
+
+    /// Replaces the standard errors.
+    pub fn set_std_errors(&mut self, std_errors: Vec<f64>) {
+        self.std_errors = OnceLock::from(std_errors);
+    }
+
     /// Held-out squared error.
     pub fn heldout_sum(&self) -> f64 {
         self.heldout.iter().sum()
@@ -76,7 +100,7 @@ fn normal<C: Borrow<[f64]>>(columns: &[C], y: &[f64], rows: Range<usize>) -> Nor
 }
 
 /// Inner products of the columns.
-fn gram<C: Borrow<[f64]>>(columns: &[C], rows: Range<usize>) -> DMatrix<f64> {
+pub fn gram<C: Borrow<[f64]>>(columns: &[C], rows: Range<usize>) -> DMatrix<f64> {
     let p = columns.len();
     let mut gram = DMatrix::zeros(p, p);
     for i in 0..p {
@@ -91,7 +115,7 @@ fn gram<C: Borrow<[f64]>>(columns: &[C], rows: Range<usize>) -> DMatrix<f64> {
 }
 
 /// Inverse of a Gram matrix, scaled to unit diagonal first; None when it is singular.
-fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let p = gram.nrows();
     let scale: Vec<f64> =
         (0..p).map(|i| if gram[(i, i)] > 0.0 { gram[(i, i)].sqrt().recip() } else { 0.0 }).collect();
@@ -156,7 +180,6 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
     for (c, column) in solution.iter().zip(columns) {
         subtract_scaled(&mut residual, *c, column.borrow());
     }
-    let std_errors = std_errors(&normals, &gram, &moment, &solution, &cover);
 
     let folds = folds.clamp(2, k);
     let mut heldout = vec![0.0; k];
@@ -196,43 +219,43 @@ pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: u
     }
     Some(Fit {
         coefficients: solution.iter().copied().collect(),
-        std_errors,
+        std_errors: OnceLock::new(),
+        known: Arc::new(Known { normals, gram, moment, cover }),
         residual,
         heldout,
         heldout_prediction,
     })
 }
 
-/// Standard std_errors by leaving out one block at a time (CR3; MacKinnon, Nielsen and Webb 2023): where a few blocks
-/// hold most of what is known about a coefficient the usual sandwich is too sure of it. Opened by Student's factor for as
-/// many blocks as really speak, so that 1.96 of them hold 95 %.
-fn std_errors(
-    normals: &[Normal],
-    gram: &DMatrix<f64>,
-    moment: &DVector<f64>,
-    solution: &DVector<f64>,
-    cover: &DMatrix<f64>,
-) -> Vec<f64> {
-    let (p, k) = (solution.len(), normals.len() as f64);
-    let (mut squares, mut fourths) = (vec![0.0; p], vec![0.0; p]);
-    for n in normals {
-        let change = match inverse(&(gram - &n.gram)) {
-            Some(without) => without * (moment - &n.moment) - solution,
-            // all that is known of a coefficient is in this block
-            None => cover * (&n.moment - &n.gram * solution),
-        };
-        for (c, (square, fourth)) in change.iter().zip(squares.iter_mut().zip(&mut fourths)) {
-            *square += c * c;
-            *fourth += c.powi(4);
+impl Known {
+    /// Standard errors by leaving out one block at a time (CR3; MacKinnon, Nielsen and Webb 2023): where a few blocks
+    /// hold most of what is known about a coefficient the usual sandwich is too sure of it. Opened by Student's factor for as
+    /// many blocks as really speak, so that 1.96 of them hold 95 %.
+    fn std_errors(&self) -> Vec<f64> {
+        let Self { normals, gram, moment, cover } = self;
+        let solution = cover * moment;
+        let (p, k) = (solution.len(), normals.len() as f64);
+        let (mut squares, mut fourths) = (vec![0.0; p], vec![0.0; p]);
+        for n in normals {
+            let change = match inverse(&(gram - &n.gram)) {
+                Some(without) => without * (moment - &n.moment) - &solution,
+                // all that is known of a coefficient is in this block
+                None => cover * (&n.moment - &n.gram * &solution),
+            };
+            for (c, (square, fourth)) in change.iter().zip(squares.iter_mut().zip(&mut fourths)) {
+                *square += c * c;
+                *fourth += c.powi(4);
+            }
         }
+        let deviation = |(square, fourth): (&f64, &f64)| {
+            // as many as would show this kurtosis if each block said as much as any other
+            let blocks = (3.0 * square * square / fourth.max(1e-300)).clamp(4.0, k);
+            let open =
+                StudentsT::new(0.0, 1.0, blocks - 1.0).map_or(1.0, |t| t.inverse_cdf(0.975) / 1.959_964);
+            open * (square * (k - 1.0) / k).sqrt()
+        };
+        squares.iter().zip(&fourths).map(deviation).collect()
     }
-    let deviation = |(square, fourth): (&f64, &f64)| {
-        // as many as would show this kurtosis if each block said as much as any other
-        let blocks = (3.0 * square * square / fourth.max(1e-300)).clamp(4.0, k);
-        let open = StudentsT::new(0.0, 1.0, blocks - 1.0).map_or(1.0, |t| t.inverse_cdf(0.975) / 1.959_964);
-        open * (square * (k - 1.0) / k).sqrt()
-    };
-    squares.iter().zip(&fourths).map(deviation).collect()
 }
 
 #[cfg(test)]

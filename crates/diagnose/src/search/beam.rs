@@ -7,6 +7,7 @@ use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::{LEVEL, Search};
 use crate::search::overlap::Overlap;
 use crate::search::refine::{FINE, ROUGH};
+use crate::search::significance::Claim;
 use crate::search::transport;
 use friction::effects::Acts;
 use nalgebra::DVector;
@@ -81,29 +82,36 @@ impl Search<'_> {
     /// Drops terms that do not hold against the others, worst first; returns each survivor's p value.
     pub fn prune(&self, mut best: Hypothesis, start: f64) -> (Hypothesis, Vec<f64>) {
         loop {
-            let mut p = Vec::new();
-            let mut worst: Option<(f64, Hypothesis)> = None;
-            for i in 0..best.atoms.len() {
+            let without = |i: usize| {
                 let mut atoms = best.atoms.clone();
-                let removed = atoms.remove(i);
-                let Some(without) = Hypothesis::new(self.design, atoms) else {
-                    p.push(1.0);
-                    continue;
-                };
-                let value = self.significance(&without, &best, std::slice::from_ref(&removed));
-                p.push(value);
+                atoms.remove(i);
+                Hypothesis::new(self.design, atoms)
+            };
+            let fewer: Vec<Option<Hypothesis>> = (0..best.atoms.len()).into_par_iter().map(without).collect();
+            let claims: Vec<(usize, &Hypothesis)> =
+                fewer.iter().enumerate().filter_map(|(i, h)| Some((i, h.as_ref()?))).collect();
+            let tested: Vec<Claim> = claims
+                .iter()
+                .map(|(i, without)| Claim { without, atoms: std::slice::from_ref(&best.atoms[*i]) })
+                .collect();
+            let mut p = vec![1.0; best.atoms.len()];
+            let mut worst: Option<(f64, usize)> = None;
+            for ((i, without), value) in claims.iter().zip(self.significances(&best, &tested)) {
+                let i = *i;
+                p[i] = value;
                 // without the others a gain may have left the range its effect accepts
                 let stands = value <= LEVEL
                     && best.atoms[i].physical(best.coefficients(self.design, i))
-                    && self.interval(&without, &best)[0] > 0.0
-                    && self.material(&without, &best, start);
+                    && self.interval(without, &best)[0] > 0.0
+                    && self.material(without, &best, start);
                 let gain = without.fit.heldout_sum() - best.fit.heldout_sum();
-                if !stands && worst.as_ref().is_none_or(|(g, _)| gain < *g) {
-                    worst = Some((gain, without));
+                if !stands && worst.is_none_or(|(g, _)| gain < g) {
+                    worst = Some((gain, i));
                 }
             }
-            match worst {
-                Some((_, without)) => best = transport::settle(self, self.refine(without, FINE)),
+            let without = worst.and_then(|(_, i)| fewer.into_iter().nth(i).flatten());
+            match without {
+                Some(without) => best = transport::settle(self, self.refine(without, FINE)),
                 None => return (best, p),
             }
         }
@@ -111,7 +119,6 @@ impl Search<'_> {
 
     /// Extensions of a hypothesis by one term and by two.
     fn extend(&self, from: &Hypothesis) -> Vec<Hypothesis> {
-        let basis = Basis::of(&Hypothesis::columns(self.design, &from.atoms));
         let residual = &from.fit.residual;
         // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
         // that is tried too short would need more than the whole force.
@@ -120,46 +127,47 @@ impl Search<'_> {
         let columns = Hypothesis::columns(self.design, &from.atoms);
         let last = columns.len();
         let overlap = Overlap::new(testable, &[&columns[..], &[residual.as_slice()]].concat());
-        let left = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.0 });
-        let Some(span) = overlap.span((0..last).collect(), left) else { return Vec::new() };
+        let y = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.0 });
+        let Some(span) = overlap.span((0..last).collect(), y) else { return Vec::new() };
         let gains = (0..overlap.atoms.len()).into_par_iter().map(|i| {
             let atom = overlap.atoms[i];
             let alone = match overlap.gain(&span, i) {
                 Some(gain) => atom.physical(&[gain]),
                 None => true,
             };
-            (if alone { overlap.captured(&span, i) } else { 0.0 }, atom)
+            (if alone { overlap.captured(&span, i) } else { 0.0 }, i)
         });
-        let gains: Vec<(f64, &Atom)> = gains.collect();
-        let mut ranked: Vec<(f64, &Atom)> = Vec::new();
+        let gains: Vec<(f64, usize)> = gains.collect();
+        let mut ranked: Vec<(f64, usize)> = Vec::new();
         for entry in gains {
-            let term = entry.1.term;
+            let term = overlap.atoms[entry.1].term;
             let same = |other: &Atom| other.term.kind == term.kind && other.term.variant == term.variant;
-            match ranked.iter_mut().find(|(_, a)| same(a)) {
+            match ranked.iter_mut().find(|(_, i)| same(overlap.atoms[*i])) {
                 Some(best) if best.0 < entry.0 => *best = entry,
                 Some(_) => {}
                 None => ranked.push(entry),
             }
         }
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut trials: Vec<Vec<Atom>> = ranked.iter().take(14).map(|(_, a)| vec![(*a).clone()]).collect();
+        let atom = |i: usize| overlap.atoms[i].clone();
+        let mut trials: Vec<Vec<Atom>> = ranked.iter().take(14).map(|(_, i)| vec![atom(*i)]).collect();
         if from.atoms.len() + 2 <= self.max_terms {
-            let each: Vec<_> = ranked.par_iter().map(|(alone, a)| (*alone, *a, a.outside(&basis))).collect();
-            let with = |(i, (alone_a, a, rest_a)): (usize, &(f64, &Atom, Vec<Vec<f64>>))| {
-                let mut pairs = Vec::new();
-                for (alone_b, b, rest_b) in each.iter().skip(i + 1).take(24) {
+            let places: Vec<usize> = ranked.iter().map(|(_, i)| *i).take(48).collect();
+            let both = overlap.pairs(&span, &places);
+            let with = |i: usize| {
+                let (both, ranked, overlap) = (&both, &ranked, &overlap);
+                let later = (i + 1..ranked.len()).take(24);
+                later.filter_map(move |j| {
+                    let ((alone_a, a), (alone_b, b)) = (ranked[i], ranked[j]);
+                    let (a, b) = (overlap.atoms[a], overlap.atoms[b]);
                     if a.term.kind == b.term.kind {
-                        continue;
+                        return None;
                     }
-                    let both: Vec<&[f64]> = rest_a.iter().chain(rest_b).map(Vec::as_slice).collect();
-                    let gain = Basis::of(&both).captured(residual);
-                    if gain > 1.05 * alone_a.max(*alone_b) {
-                        pairs.push((gain, vec![(*a).clone(), (*b).clone()]));
-                    }
-                }
-                pairs
+                    let gain = both.captured(i, j);
+                    (gain > 1.05 * alone_a.max(alone_b)).then(|| (gain, vec![a.clone(), b.clone()]))
+                })
             };
-            let mut pairs: Vec<_> = each.par_iter().take(24).enumerate().flat_map_iter(with).collect();
+            let mut pairs: Vec<_> = (0..ranked.len().min(24)).into_par_iter().flat_map_iter(with).collect();
             pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
             trials.extend(pairs.into_iter().take(8).map(|(_, p)| p));
         }

@@ -1,12 +1,14 @@
 //! Every effect at every shape worth trying, and which of them a recording can show.
 
-use crate::library::design_matrix::{DesignMatrix, gather};
+use crate::library::design_matrix::{DesignMatrix, gather, shapes_together};
+use crate::library::kept::Column;
 use crate::library::scales::Scales;
 use crate::library::term::{Term, TermKind};
 use crate::search::hypothesis::Atom;
 use friction::effects::{Acts, MAX_SHAPE};
 use rayon::prelude::*;
-use signals::{Basis, dot};
+use signals::Basis;
+use std::sync::Arc;
 
 /// Share of an effect left outside the baseline (U) below which a recording is said to be blind to it.
 pub const CONCEALED: f64 = 0.1;
@@ -35,27 +37,33 @@ impl Catalogue {
         exclude: &[&str],
     ) -> Self {
         let baseline = Basis::of(&design.baseline);
-        let mut terms = Vec::new();
+        let mut groups = Vec::new();
         for kind in TermKind::all() {
             if !exclude.contains(&kind.id()) {
-                terms.extend(scales.grid(kind).into_iter().map(|shape| (kind, shape)));
+                let mut shapes = scales.grid(kind);
                 if kind.is_periodic() {
-                    terms.extend(lines.iter().map(|line| (kind, [*line, 0.0])));
+                    shapes.extend(lines.iter().map(|line| [*line, 0.0]));
                 }
+                groups.extend(shapes.chunks(shapes_together(kind)).map(|shapes| (kind, shapes.to_vec())));
             }
         }
-        let evaluate = |(kind, shape): &(TermKind, [f64; MAX_SHAPE])| -> Vec<Atom> {
-            let (clean, other) = (design.all_columns(*kind, shape), noisy.all_columns(*kind, shape));
-            let variant = |(variant, groups): (usize, &&'static [&'static [usize]])| {
-                let term = Term { kind: *kind, shape: *shape, variant };
-                let mut atom = Atom::of(gather(&clean, groups), &baseline, term);
-                atom.reliable = reliability(&gather(&other, groups), &baseline, &atom);
-                atom
+        let evaluate = |(kind, shapes): &(TermKind, Vec<[f64; MAX_SHAPE]>)| -> Vec<Atom> {
+            let (clean, other) = (design.columns_at(*kind, shapes), noisy.columns_at(*kind, shapes));
+            let of_shape = |((shape, clean), other): ((&[f64; MAX_SHAPE], Vec<Vec<f64>>), Vec<Vec<f64>>)| {
+                let (clean, other): (Vec<Column>, Vec<Column>) =
+                    (clean.into_iter().map(Arc::new).collect(), other.into_iter().map(Arc::new).collect());
+                let variant = |(variant, groups): (usize, &&'static [&'static [usize]])| {
+                    let term = Term { kind: *kind, shape: *shape, variant };
+                    let mut atom = Atom::of(shared(&clean, groups), &baseline, term);
+                    atom.reliable = reliability(&shared(&other, groups), &baseline, &atom);
+                    atom
+                };
+                kind.variants().iter().enumerate().map(variant).collect::<Vec<_>>()
             };
-            kind.variants().iter().enumerate().map(variant).collect()
+            shapes.iter().zip(clean).zip(other).flat_map(of_shape).collect()
         };
         // In the order of the catalogue whatever the number of workers: everything random hangs on it.
-        let atoms = terms.par_iter().flat_map_iter(evaluate).collect();
+        let atoms = groups.par_iter().flat_map_iter(evaluate).collect();
         Self { atoms, baseline }
     }
 
@@ -64,7 +72,8 @@ impl Catalogue {
         let baseline = &self.baseline;
         self.atoms.par_iter_mut().filter(|a| a.term.kind.reads_force()).for_each(|atom| {
             *atom = Atom::new(design, baseline, atom.term);
-            atom.reliable = reliability(&noisy.columns(&atom.term), baseline, atom);
+            let other: Vec<Column> = noisy.columns(&atom.term).into_iter().map(Arc::new).collect();
+            atom.reliable = reliability(&other, baseline, atom);
         });
     }
 
@@ -102,14 +111,23 @@ pub(crate) fn needed_reliability(kind: TermKind) -> f64 {
     }
 }
 
-fn reliability(other: &[Vec<f64>], baseline: &Basis, atom: &Atom) -> f64 {
+/// Sums of the columns that share a gain; a column that has one of its own is shared itself.
+fn shared(all: &[Column], groups: &[&[usize]]) -> Vec<Column> {
+    let slices: Vec<&[f64]> = all.iter().map(|c| c.as_slice()).collect();
+    let of = |group: &&[usize]| match *group {
+        [own] => all.get(*own).cloned(),
+        several => gather(&slices, &[several]).pop().map(Arc::new),
+    };
+    groups.iter().filter_map(of).collect()
+}
+
+fn reliability(other: &[Column], baseline: &Basis, atom: &Atom) -> f64 {
     let (mut signal, mut noise) = (0.0, 0.0);
     for (column, i) in atom.columns.iter().zip(&atom.active) {
         let Some(other) = other.get(*i) else { continue };
-        let change: Vec<f64> = column.iter().zip(other).map(|(a, b)| a - b).collect();
-        let (rest, change) = (baseline.project_out(column), baseline.project_out(&change));
-        signal += dot(&rest, &rest);
-        noise += dot(&change, &change);
+        let change: Vec<f64> = column.iter().zip(other.iter()).map(|(a, b)| a - b).collect();
+        signal += baseline.left(column);
+        noise += baseline.left(&change);
     }
     if signal > 0.0 { 1.0 - noise / signal } else { 0.0 }
 }

@@ -2,6 +2,7 @@
 
 use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
+use crate::library::kept::Column;
 use crate::library::term::{Term, TermKind};
 use crate::regression::linear::{FOLDS, Fit, fit};
 use signals::{Basis, dot};
@@ -13,7 +14,7 @@ pub struct Atom {
     /// The hypothesis.
     pub term: Term,
     /// Columns that the baseline does not already contain.
-    pub columns: Arc<[Vec<f64>]>,
+    pub columns: Arc<[Column]>,
     /// Which of the term's free gains they are.
     pub active: Vec<usize>,
     /// Share of the columns left outside the baseline, 0 = concealed on this motion.
@@ -25,11 +26,11 @@ pub struct Atom {
 impl Atom {
     /// Evaluates a term; `baseline` is a basis of the baseline's columns.
     pub fn new(design: &DesignMatrix, baseline: &Basis, term: Term) -> Self {
-        Self::of(design.columns(&term), baseline, term)
+        Self::of(design.kept_columns(&term).iter().cloned(), baseline, term)
     }
 
     /// The same from columns that are already there.
-    pub fn of(all: Vec<Vec<f64>>, baseline: &Basis, term: Term) -> Self {
+    pub fn of(all: impl IntoIterator<Item = Column>, baseline: &Basis, term: Term) -> Self {
         let mut columns = Vec::new();
         let mut active = Vec::new();
         let mut visible: f64 = 0.0;
@@ -40,8 +41,7 @@ impl Atom {
                 0.0
             };
             let size = (dot(&column, &column) - level).max(0.0).sqrt();
-            let rest = baseline.project_out(&column);
-            let left = dot(&rest, &rest).sqrt();
+            let left = baseline.left(&column).sqrt();
             if size > 0.0 && size.is_finite() && left.is_finite() {
                 visible = visible.max(left / size);
                 if left > 1e-3 * size {
@@ -99,8 +99,8 @@ pub struct Hypothesis {
 impl Hypothesis {
     /// All columns: baseline first, then each atom's.
     pub fn columns<'a>(design: &'a DesignMatrix, atoms: &'a [Atom]) -> Vec<&'a [f64]> {
-        let own = atoms.iter().flat_map(|a| a.columns.iter());
-        design.baseline.iter().chain(own).map(Vec::as_slice).collect()
+        let own = atoms.iter().flat_map(|a| a.columns.iter()).map(|c| c.as_slice());
+        design.baseline.iter().map(Vec::as_slice).chain(own).collect()
     }
 
     /// Fits the baseline and `atoms` jointly.

@@ -41,7 +41,7 @@ impl Joint {
                 && let Some(slope) = slope(search, found, i, 0)
             {
                 columns[gain] = slope;
-                set.push((gain, found.fit.std_errors[gain]));
+                set.push((gain, found.fit.std_errors()[gain]));
             }
         }
         let mut basis = Basis::of(&columns);
@@ -68,7 +68,7 @@ impl Joint {
             shapes.push(placed.collect());
         }
         let joint: Option<Fit> = fit(&columns, &design.y, &design.blocks, FOLDS);
-        Self { std_errors: joint.map_or_else(|| found.fit.std_errors.clone(), |f| f.std_errors), shapes, set }
+        Self { std_errors: joint.as_ref().unwrap_or(&found.fit).std_errors().to_vec(), shapes, set }
     }
 
     /// Deviation of column `i` of the hypothesis: baseline first, then each term's gains.
@@ -114,7 +114,7 @@ fn slope(search: &Search, found: &Hypothesis, i: usize, axis: usize) -> Option<V
         let other = Atom::new(search.design, &search.catalogue.baseline, term);
         let mut sum = vec![0.0; search.design.y.len()];
         for (c, column) in found.coefficients(search.design, i).iter().zip(other.columns.iter()) {
-            for (s, x) in sum.iter_mut().zip(column) {
+            for (s, x) in sum.iter_mut().zip(column.iter()) {
                 *s += c * x;
             }
         }

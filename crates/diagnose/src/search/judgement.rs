@@ -2,22 +2,21 @@
 
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
-use crate::library::term::Term;
 use crate::regression::linear::Fit;
 use crate::regression::sign_flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::search::catalogue::Catalogue;
-use crate::search::hypothesis::{Atom, Hypothesis};
+use crate::search::hypothesis::Hypothesis;
 use rayon::prelude::*;
 use signals::{Basis, dot};
 
 /// Random signs drawn for a test, so that the smallest p value is 1/1000.
-const FLIPS: usize = 999;
+pub const FLIPS: usize = 999;
 /// Family-wise level of a step.
 pub const LEVEL: f64 = 0.01;
 /// Cosine above which two explanations count as one on a recording.
 pub const COLLINEAR: f64 = 0.95;
 /// Share of a column outside the columns of the parent below which it is not tested.
-const OUTSIDE: f64 = 0.02;
+pub const OUTSIDE: f64 = 0.02;
 /// Share of what a term gains that another may lose in its place and still count as good.
 const AS_GOOD: f64 = 0.03;
 /// Standard errors by which a mass has to be below zero to be refused.
@@ -63,7 +62,7 @@ impl Search<'_> {
     pub fn contribution(&self, h: &Hypothesis, i: usize, basis: &Basis) -> Vec<f64> {
         let mut sum = vec![0.0; self.design.y.len()];
         for (c, column) in h.coefficients(self.design, i).iter().zip(h.atoms[i].columns.iter()) {
-            for (s, x) in sum.iter_mut().zip(column) {
+            for (s, x) in sum.iter_mut().zip(column.iter()) {
                 *s += c * x;
             }
         }
@@ -73,21 +72,14 @@ impl Search<'_> {
     /// Whether every gain is in the range its effect accepts and the mass is not significantly negative, unless the baseline's
     /// already is. A mass that does not show has either sign.
     pub fn physical(&self, h: &Hypothesis) -> bool {
-        let of = |values: &[f64]| values.first().copied().unwrap_or(0.0);
-        let (mass, std) = (of(&h.fit.coefficients), of(&h.fit.std_errors));
-        (mass + SURELY * std >= 0.0 || self.design.blocks.mass < 0.0)
+        let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
+        // only a mass below zero asks for its standard error
+        let surely_negative = || mass + SURELY * h.fit.std_errors().first().copied().unwrap_or(0.0) < 0.0;
+        (mass >= 0.0 || self.design.blocks.mass < 0.0 || !surely_negative())
             && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.design, i)))
     }
 
-    /// Residual of `parent` against every testable column, noise taken from `child`.
-    pub fn test(&self, parent: &Hypothesis, child: &Hypothesis, extra: &[Atom]) -> (Vec<Term>, Family) {
-        let basis = Basis::of(&Hypothesis::columns(self.design, &parent.atoms));
-        let atoms = self.catalogue.testable().into_iter().chain(extra);
-        let columns = atoms.flat_map(|atom| atom.columns.iter().map(|c| (atom.term, c.as_slice()))).collect();
-        self.family(&basis, &parent.fit, &child.fit, columns)
-    }
-
-    /// The same for any columns, each with what it belongs to, outside `basis`.
+    /// Tests of columns, each with what it belongs to, outside `basis`: against the residual of `parent`, noise taken from `child`.
     pub fn family<L: Copy + Send + Sync>(
         &self,
         basis: &Basis,
@@ -108,17 +100,6 @@ impl Search<'_> {
         let ((of, observed), (noise, scale)): (Unzipped<L, Scores>, Unzipped<Scores, f64>) =
             columns.par_iter().filter_map(score).unzip();
         (of, family(&observed, &noise, &scale, FLIPS, self.seed))
-    }
-
-    /// Family-wise p of the best column of `atoms` against `parent`.
-    pub fn significance(&self, parent: &Hypothesis, child: &Hypothesis, atoms: &[Atom]) -> f64 {
-        let (terms, family) = self.test(parent, child, atoms);
-        terms
-            .iter()
-            .zip(&family.p)
-            .filter(|(t, _)| atoms.iter().any(|a| a.term == **t))
-            .map(|(_, p)| *p)
-            .fold(1.0, f64::min)
     }
 
     /// 95 % interval of the held-out gain from `parent` to `child`.

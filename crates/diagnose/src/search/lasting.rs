@@ -19,6 +19,7 @@ use crate::search::refine::FINE;
 use crate::search::transport;
 use friction::effects::Scale;
 use signals::{Basis, dot, quantile};
+use std::borrow::Borrow;
 
 /// Rows of one kind of motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,11 +186,11 @@ impl Search<'_> {
 pub fn left_out_errors<'r>(
     design: &DesignMatrix,
     others: &Basis,
-    columns: &[Vec<f64>],
+    columns: &[impl Borrow<Vec<f64>>],
     noise: f64,
     regimes: &'r [Regime],
 ) -> Vec<(&'r Regime, (f64, f64))> {
-    let own: Vec<Vec<f64>> = columns.iter().map(|c| others.project_out(c)).collect();
+    let own: Vec<Vec<f64>> = columns.iter().map(|c| others.project_out(c.borrow())).collect();
     let own: Vec<&[f64]> = own.iter().map(Vec::as_slice).collect();
     let y = others.project_out(&design.y);
     let Some(all) = solve(&own, &y) else { return Vec::new() };

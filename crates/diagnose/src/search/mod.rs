@@ -11,5 +11,6 @@ pub mod lasting;
 pub mod overlap;
 pub mod refine;
 pub mod regression;
+pub mod significance;
 pub mod simplify;
 pub mod transport;

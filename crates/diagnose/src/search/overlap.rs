@@ -42,7 +42,7 @@ impl<'a> Overlap<'a> {
         let (with, own) = atoms
             .par_iter()
             .map(|atom| {
-                let columns: Vec<&[f64]> = atom.columns.iter().map(Vec::as_slice).collect();
+                let columns: Vec<&[f64]> = atom.columns.iter().map(|c| c.as_slice()).collect();
                 (products(&columns, fixed), products(&columns, &columns))
             })
             .unzip();
@@ -81,27 +81,77 @@ impl<'a> Overlap<'a> {
     /// Squared length of the sum along what of atom `i` is outside `span`.
     pub fn captured(&self, span: &Span, i: usize) -> f64 {
         let (own, moment) = self.outside(span, i);
-        // Cholesky's decomposition column by column, without those that depend on the others
-        let mut kept: Vec<(Vec<f64>, f64)> = Vec::new();
-        let mut rows: Vec<usize> = Vec::new();
-        for k in 0..moment.len() {
-            let mut row: Vec<f64> = Vec::with_capacity(kept.len() + 1);
-            for (n, (other, _)) in kept.iter().enumerate() {
-                let known: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
-                row.push((own[(k, rows[n])] - known) / other[n]);
-            }
-            let left = own[(k, k)] - row.iter().map(|x| x * x).sum::<f64>();
-            if !(left > INSIDE * self.own[i][(k, k)]) {
-                continue;
-            }
-            let known: f64 = row.iter().zip(&kept).map(|(a, (_, z))| a * z).sum();
-            let z = (moment[k] - known) / left.sqrt();
-            row.push(left.sqrt());
-            kept.push((row, z));
-            rows.push(k);
-        }
-        kept.iter().map(|(_, z)| z * z).sum()
+        captured(&own, &moment, &self.own[i].diagonal())
     }
+
+    /// The same along what of several atoms is outside `span`.
+    pub fn pairs<'b>(&'b self, span: &'b Span, of: &'b [usize]) -> Pairs<'b> {
+        let alone: Vec<_> = of.iter().map(|i| self.outside(span, *i)).collect();
+        let coordinates = |i: &usize| -> Vec<DVector<f64>> {
+            self.with[*i].row_iter().map(|row| span.coordinates(&row.transpose())).collect()
+        };
+        Pairs { overlap: self, of, alone, coordinates: of.iter().map(coordinates).collect() }
+    }
+}
+
+/// Some atoms of an overlap, to be looked at two at a time.
+pub struct Pairs<'a> {
+    overlap: &'a Overlap<'a>,
+    of: &'a [usize],
+    /// Of each: inner products outside the span, among its columns and with the sum.
+    alone: Vec<(DMatrix<f64>, DVector<f64>)>,
+    /// Of each of its columns: coordinates in the span.
+    coordinates: Vec<Vec<DVector<f64>>>,
+}
+
+impl Pairs<'_> {
+    /// Squared length of the sum along what of the `i`th and the `j`th is outside the span.
+    pub fn captured(&self, i: usize, j: usize) -> f64 {
+        let ((own_i, moment_i), (own_j, moment_j)) = (&self.alone[i], &self.alone[j]);
+        let (n, m) = (moment_i.len(), moment_j.len());
+        let (a, b) = (self.of[i], self.of[j]);
+        let (columns_a, columns_b) = (&self.overlap.atoms[a].columns, &self.overlap.atoms[b].columns);
+        let across = DMatrix::from_fn(n, m, |k, l| {
+            let inside = self.coordinates[i][k].dot(&self.coordinates[j][l]);
+            dot(&columns_a[k], &columns_b[l]) - inside
+        });
+        let own = DMatrix::from_fn(n + m, n + m, |k, l| match (k < n, l < n) {
+            (true, true) => own_i[(k, l)],
+            (true, false) => across[(k, l - n)],
+            (false, true) => across[(l, k - n)],
+            (false, false) => own_j[(k - n, l - n)],
+        });
+        let both = |x: &DVector<f64>, y: &DVector<f64>| {
+            DVector::from_fn(n + m, |k, _| if k < n { x[k] } else { y[k - n] })
+        };
+        let whole = both(&self.overlap.own[a].diagonal(), &self.overlap.own[b].diagonal());
+        captured(&own, &both(moment_i, moment_j), &whole)
+    }
+}
+
+/// Squared length along columns with inner products `own` among each other and `moment` with what is captured; `whole` are their
+/// squares before anything was taken out of them.
+fn captured(own: &DMatrix<f64>, moment: &DVector<f64>, whole: &DVector<f64>) -> f64 {
+    // Cholesky's decomposition column by column, without those that depend on the others
+    let mut kept: Vec<(Vec<f64>, f64)> = Vec::new();
+    let mut rows: Vec<usize> = Vec::new();
+    for k in 0..moment.len() {
+        let mut row: Vec<f64> = Vec::with_capacity(kept.len() + 1);
+        for (n, (other, _)) in kept.iter().enumerate() {
+            let known: f64 = row.iter().zip(other).map(|(a, b)| a * b).sum();
+            row.push((own[(k, rows[n])] - known) / other[n]);
+        }
+        let left = own[(k, k)] - row.iter().map(|x| x * x).sum::<f64>();
+        if !(left > INSIDE * whole[k]) {
+            continue;
+        }
+        let known: f64 = row.iter().zip(&kept).map(|(a, (_, z))| a * z).sum();
+        let z = (moment[k] - known) / left.sqrt();
+        row.push(left.sqrt());
+        kept.push((row, z));
+        rows.push(k);
+    }
+    kept.iter().map(|(_, z)| z * z).sum()
 }
 
 impl Span {
@@ -118,6 +168,7 @@ mod tests {
     use super::*;
     use crate::library::term::{Term, TermKind};
     use signals::Basis;
+    use std::sync::Arc;
 
     #[test]
     fn what_inner_products_say_is_what_projections_say() {
@@ -127,10 +178,11 @@ mod tests {
         let fixed = [wave(0.01, 0.0), wave(0.02, 1.0), wave(0.05, -1.0), wave(0.3, 0.2)];
         let kind = TermKind::all()[0];
         let term = Term { kind, shape: [0.0; 2], variant: 0 };
-        let mut atom = Atom::of(vec![wave(0.011, 0.5), wave(0.07, 0.0)], &Basis::default(), term);
+        let columns = [wave(0.011, 0.5), wave(0.07, 0.0)].map(Arc::new);
+        let mut atom = Atom::of(columns, &Basis::default(), term);
         // one that says nothing new
-        let sum = atom.columns[0].iter().zip(&atom.columns[1]).map(|(a, b)| a - 2.0 * b).collect();
-        atom.columns = [atom.columns.to_vec(), vec![sum]].concat().into();
+        let sum = atom.columns[0].iter().zip(atom.columns[1].iter()).map(|(a, b)| a - 2.0 * b).collect();
+        atom.columns = [atom.columns.to_vec(), vec![Arc::new(sum)]].concat().into();
         let fixed: Vec<&[f64]> = fixed.iter().map(Vec::as_slice).collect();
         let overlap = Overlap::new(vec![&atom], &fixed);
         let span = overlap.span(vec![0, 2], DVector::from_column_slice(&[0.0, 1.5, 0.0, -0.7])).unwrap();
@@ -140,5 +192,10 @@ mod tests {
         let captured = Basis::of(&atom.outside(&basis)).captured(&rest);
         assert!((overlap.captured(&span, 0) / captured - 1.0).abs() < 1e-7);
         assert!((span.power / dot(&rest, &rest) - 1.0).abs() < 1e-7);
+        let other = Atom::of([Arc::new(wave(0.021, -0.5))], &Basis::default(), term);
+        let overlap = Overlap::new(vec![&atom, &other], &fixed);
+        let both = [atom.outside(&basis), other.outside(&basis)].concat();
+        let pair = overlap.pairs(&span, &[1, 0]).captured(1, 0);
+        assert!((pair / Basis::of(&both).captured(&rest) - 1.0).abs() < 1e-7);
     }
 }

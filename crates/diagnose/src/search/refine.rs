@@ -5,7 +5,8 @@
 //! a shape shows (a rest time far beyond every rest, a speed far beyond every speed) it keeps the gain from running
 //! along the ridge to forces that were never there. Where the recording says anything itself, the prior weighs nothing.
 
-use crate::regression::linear::solve;
+use crate::library::kept::Column;
+use crate::regression::linear::{gram, inverse};
 use crate::search::catalogue::is_testable;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::Search;
@@ -13,10 +14,13 @@ use friction::Dimension;
 use friction::effects::{MAX_SHAPE, Scale};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use signals::{Basis, dot};
+use signals::{dot, subtract_scaled};
 
 /// Damping of its own above which an axis is held for a step.
 const HELD: f64 = 1e4;
+
+/// Share of a squared slope below which what the gains leave of it is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Times by which a refinement may do better than its slopes promise.
 const HOPE: f64 = 4.0;
@@ -64,8 +68,10 @@ impl Axis {
 struct Point {
     atoms: Vec<Atom>,
     gains: Vec<f64>,
-    basis: Basis,
+    /// Inverse of the columns' inner products, with the prior of the gains.
+    cover: DMatrix<f64>,
     residual: Vec<f64>,
+    /// Squared residual, with what the prior asks for.
     squared: f64,
     /// Every gain lies in the range its effect accepts.
     physical: bool,
@@ -99,10 +105,8 @@ impl Search<'_> {
         // beside it, of the axes of terms that a step took to where they cannot be seen
         let mut own = vec![0.0_f64; axes.len()];
         for _ in 0..effort.steps {
-            let Some(slopes) = self.slopes(&here, &axes, effort.fresh, &mut known) else { break };
+            let Some((normal, moment)) = self.slopes(&here, &axes, effort.fresh, &mut known) else { break };
             let p = axes.len();
-            let normal = DMatrix::from_fn(p, p, |i, j| dot(&slopes[i], &slopes[j]));
-            let moment = DVector::from_fn(p, |i, _| dot(&slopes[i], &here.residual));
             let before = here.squared;
             let undamped = step(&normal, &moment, &vec![1e-9; p], |_, _| false);
             let best = undamped.map_or(f64::INFINITY, |step| promised(&normal, &moment, &step));
@@ -204,36 +208,39 @@ impl Search<'_> {
     }
 
     fn point(&self, atoms: Vec<Atom>) -> Option<Point> {
+        let columns = Hypothesis::columns(self.design, &atoms);
         let priors = self.priors(&atoms);
-        let with_prior = |(i, column): (usize, &&[f64])| -> Vec<f64> {
-            let mut long = column.to_vec();
-            long.extend((0..priors.len()).map(|j| if i == j { priors[j] } else { 0.0 }));
-            long
-        };
-        let columns: Vec<Vec<f64>> =
-            Hypothesis::columns(self.design, &atoms).iter().enumerate().map(with_prior).collect();
-        let mut y = self.design.y.clone();
-        y.resize(y.len() + priors.len(), 0.0);
-        let gains = solve(&columns, &y)?;
-        let basis = Basis::of(&columns);
-        let residual = basis.project_out(&y);
-        let squared = dot(&residual, &residual);
+        let mut gram = gram(&columns, 0..self.design.y.len());
+        for (i, prior) in priors.iter().enumerate() {
+            gram[(i, i)] += prior * prior;
+        }
+        let cover = inverse(&gram)?;
+        let y = &self.design.y;
+        let moment = DVector::from_iterator(columns.len(), columns.iter().map(|c| dot(c, y)));
+        let gains: Vec<f64> = (&cover * moment).iter().copied().collect();
+        let mut residual = y.clone();
+        for (gain, column) in gains.iter().zip(&columns) {
+            subtract_scaled(&mut residual, *gain, column);
+        }
+        let asked: f64 = gains.iter().zip(&priors).map(|(g, prior)| (g * prior).powi(2)).sum();
+        let squared = dot(&residual, &residual) + asked;
         let mut from = self.design.baseline.len();
         let physical = atoms.iter().all(|a| {
             from += a.columns.len();
             a.physical(&gains[from - a.columns.len()..from])
         });
-        squared.is_finite().then_some(Point { atoms, gains, basis, residual, squared, physical })
+        squared.is_finite().then_some(Point { atoms, gains, cover, residual, squared, physical })
     }
 
-    /// What the residual loses per unit of each axis; `known` holds slopes taken before, which stand as far as `fresh`.
+    /// Inner products of what the residual loses per unit of each axis, with each other and with the residual; `known` holds
+    /// slopes taken before, which stand as far as `fresh`.
     fn slopes(
         &self,
         here: &Point,
         axes: &[Axis],
         fresh: f64,
         known: &mut [Option<Slope>],
-    ) -> Option<Vec<Vec<f64>>> {
+    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
         axes.par_iter().zip(known.par_iter_mut()).try_for_each(|(axis, known)| {
             let shape = here.atoms[axis.atom].term.shape;
             let near = |k: &Slope| {
@@ -247,18 +254,33 @@ impl Search<'_> {
             }
             Some(())
         })?;
-        let loss = |(axis, slope): (&Axis, &Option<Slope>)| -> Option<Vec<f64>> {
+        let columns = Hypothesis::columns(self.design, &here.atoms);
+        let change = |(axis, slope): (&Axis, &Option<Slope>)| -> Option<(Vec<f64>, DVector<f64>)> {
             let from = self.design.baseline.len()
                 + here.atoms[..axis.atom].iter().map(|a| a.columns.len()).sum::<usize>();
             let mut change = vec![0.0; here.residual.len()];
             for (c, column) in here.gains[from..].iter().zip(&slope.as_ref()?.columns) {
-                for (d, x) in change.iter_mut().zip(column) {
-                    *d += c * x;
-                }
+                subtract_scaled(&mut change, -c, column);
             }
-            Some(here.basis.project_out(&change))
+            let with = DVector::from_iterator(columns.len(), columns.iter().map(|c| dot(c, &change)));
+            Some((change, with))
         };
-        axes.par_iter().zip(&*known).map(loss).collect()
+        let changes: Vec<(Vec<f64>, DVector<f64>)> =
+            axes.par_iter().zip(&*known).map(change).collect::<Option<_>>()?;
+        // the gains take what they can of a change: what is left of it, without forming it
+        let taken: Vec<DVector<f64>> = changes.iter().map(|(_, with)| &here.cover * with).collect();
+        let mut normal = DMatrix::zeros(axes.len(), axes.len());
+        for i in 0..axes.len() {
+            for j in 0..=i {
+                let whole = dot(&changes[i].0, &changes[j].0);
+                let left = whole - changes[i].1.dot(&taken[j]);
+                // what rounding leaves of a square may be below zero
+                let left = if i == j { left.max(ROUNDING * whole) } else { left };
+                (normal[(i, j)], normal[(j, i)]) = (left, left);
+            }
+        }
+        let moment = DVector::from_iterator(axes.len(), changes.iter().map(|(c, _)| dot(c, &here.residual)));
+        Some((normal, moment))
     }
 
     /// What the columns of an atom change per unit of an axis.
@@ -267,8 +289,8 @@ impl Search<'_> {
         let up = 0.02 * axis.reach;
         let by = if axis.to(axis.moved(at, up)) > axis.to(at) { up } else { -up };
         let other = self.reshaped(atom, &[(axis.index, axis.moved(at, by))])?;
-        let change = |(near, far): (&Vec<f64>, &Vec<f64>)| {
-            near.iter().zip(far).map(|(x, z)| (z - x) / by).collect::<Vec<f64>>()
+        let change = |(near, far): (&Column, &Column)| {
+            near.iter().zip(far.iter()).map(|(x, z)| (z - x) / by).collect::<Vec<f64>>()
         };
         let columns = atom.columns.iter().zip(other.columns.iter()).map(change).collect();
         Some(Slope { shape: atom.term.shape, columns })

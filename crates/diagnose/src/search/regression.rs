@@ -50,7 +50,9 @@ impl Regression {
     fn fitted(mut self) -> Option<Self> {
         self.baseline = Hypothesis::new(&self.design, Vec::new())?;
         self.plain.fit.coefficients.resize(self.design.baseline.len(), 0.0);
-        self.plain.fit.std_errors.resize(self.design.baseline.len(), 0.0);
+        let mut std_errors = self.plain.fit.std_errors().to_vec();
+        std_errors.resize(self.design.baseline.len(), 0.0);
+        self.plain.fit.set_std_errors(std_errors);
         Some(self)
     }
 

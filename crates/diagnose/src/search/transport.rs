@@ -74,7 +74,7 @@ impl Corrected {
         let mut shaken: Vec<Vec<f64>> = noisy.baseline.clone();
         for atom in atoms {
             let again = noisy.columns(&atom.term);
-            columns.extend(atom.columns.iter().cloned());
+            columns.extend(atom.columns.iter().map(|c| c.to_vec()));
             shaken.extend(atom.active.iter().filter_map(|a| again.get(*a).cloned()));
         }
         if columns.len() != shaken.len() {
@@ -114,7 +114,7 @@ pub fn share(search: &Search, found: &Hypothesis, i: usize) -> Option<(f64, f64)
     let at = found.offset(search.design, i);
     let share = corrected.fitted(&search.design.y, &corrected.force)[at];
     let attenuated = found.coefficients(search.design, i)[0];
-    Some((share, found.fit.std_errors[at] * (share / attenuated).abs().max(1.0)))
+    Some((share, found.fit.std_errors()[at] * (share / attenuated).abs().max(1.0)))
 }
 
 /// Squared error that `child` saves beyond the noise it smooths: a load that follows slowly smooths the acceleration of

@@ -171,6 +171,7 @@ impl Filter {
 
 /// One pass through `S` sections of several series at once, begun in the steady state of the first sample; sections in
 /// transposed direct form II.
+#[inline(always)]
 pub(crate) fn run<'a, const S: usize, const L: usize>(
     sections: [Section; S],
     series: impl Iterator<Item = &'a mut [f64; L]>,
