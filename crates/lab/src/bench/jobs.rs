@@ -2,6 +2,10 @@
 
 use super::{Bench, ToBench};
 use crate::known::{Done, Job};
+use crate::tools::Found;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Shortest interval between two progress messages.
@@ -21,6 +25,9 @@ impl Bench {
         let job = Job { kind, of: of.clone(), share: 0.0, says: "reading".into() };
         self.shared.known(|known| known.job = Some(job));
         self.dirty = true;
+        // a job of its own each: one that is told to end does not end the next
+        let cancel = Arc::new(AtomicBool::new(false));
+        self.cancel = cancel.clone();
         let (tools, own, file) = (self.tools.clone(), self.own.clone(), self.folder.join(&report));
         let work = move || {
             let told = std::cell::Cell::new(Instant::now());
@@ -30,37 +37,45 @@ impl Bench {
                     // nobody listens at the end
                     let _ = own.send(ToBench::Progress(share, says.to_owned()));
                 }
+                if cancel.load(Ordering::Relaxed) {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             };
             let found = match kind {
                 "identify" => tools.identify(&paths, &file, &progress),
                 "analyse" => tools.analyse(&paths, &file, &progress),
                 _ => tools.diagnose(&paths, &file, &progress),
             };
-            let done = match found {
-                Ok(found) => Done {
-                    kind,
-                    of,
-                    text: found.text,
-                    failed: false,
-                    report: Some(report),
-                    preset: found.preset,
-                    tables: found.tables,
-                },
-                Err(why) => Done {
-                    kind,
-                    of,
-                    text: why,
-                    failed: true,
-                    report: None,
-                    preset: Vec::new(),
-                    tables: Vec::new(),
-                },
+            let cancelled = || Err("cancelled: nothing was found and nothing was changed".to_owned());
+            let found = if cancel.load(Ordering::Relaxed) { cancelled() } else { found };
+            let failed = found.is_err();
+            let (done, found) = match found {
+                Ok(found) => (found.clone(), Some(Box::new(found))),
+                Err(text) => (Found { text, ..Found::default() }, None),
             };
-            let _ = own.send(ToBench::Finished(Box::new(done)));
+            let Found { text, preset, tables, .. } = done;
+            let report = (!failed).then_some(report);
+            let done = Done { kind, of, text, failed, report, preset, tables };
+            let _ = own.send(ToBench::Finished(Box::new(done), found));
         };
         std::thread::Builder::new().name(kind.into()).spawn(work).map(|_| ()).map_err(|e| {
             self.shared.known(|known| known.job = None);
             format!("no thread for it: {e}")
         })
+    }
+
+    /// Asks the job that runs to end without a result.
+    pub(super) fn cancel(&mut self) -> Result<(), String> {
+        let running = self.shared.known(|known| {
+            if let Some(job) = &mut known.job {
+                job.says = "cancelling".into();
+            }
+            known.job.is_some()
+        });
+        self.cancel.store(true, Ordering::Relaxed);
+        self.dirty = true;
+        if running { Ok(()) } else { Err("no analysis is running".into()) }
     }
 }
