@@ -15,6 +15,7 @@ const SERIES = [
 ];
 let known = null;
 let drawn = "";
+let sending = false;
 
 const newton = (x) => `${x < 0 ? "−" : ""}${Math.abs(x).toFixed(2)} N`;
 const short = (text) => (text === "" || Number.isNaN(Number(text)) ? text : `${+Number(text).toPrecision(4)}`);
@@ -64,7 +65,8 @@ function plot(canvas, places, says, curves) {
   canvas.height = Math.round(height * ratio);
   const all = curves.flatMap(({ values }) => values).filter((y) => y !== null);
   const most = Math.max(0.1, ...all.map(Math.abs)) * 1.1;
-  const xmax = Math.max(...places.map(Math.abs));
+  // the end of the outermost bin
+  const xmax = places.at(-1) + 0.5 * (places[1] - places[0]);
   const low = all.every((y) => y >= 0) ? 0 : -most, [left, top, right, bottom] = [44, 8, width - 8, height - 32];
   const x = (p) => left + (0.5 + (0.5 * p) / xmax) * (right - left);
   const y = (n) => bottom - ((n - low) / (most - low)) * (bottom - top);
@@ -184,6 +186,12 @@ export function state(now) {
   $("ho-progress").querySelector("progress").value = recorded ? Math.min(1, (recording * now.period) / SECONDS) : job?.share ?? 0;
   $("ho-cancel").hidden = !diagnosing;
   $("ho-report").hidden = !handover.report || recorded;
+  // what was sent is felt by the simulated hand, which its own button ends
+  if (sending && step === "sent" && now.sim) {
+    $("hand-sine").setAttribute("aria-pressed", true);
+    $("hand-sine").textContent = "Hand off";
+  }
+  sending = step === "sending";
   plan(now);
   plots(now);
 }

@@ -108,6 +108,8 @@ pub(crate) struct Bench {
     pages: BTreeSet<u64>,
     last: Option<Sample>,
     recording: Option<Recording>,
+    /// Force on the body of the last recording.
+    recorded: Option<Bins>,
     /// What was found in the recording of the handover.
     found: Option<Found>,
     /// What the handover sent to the device.
@@ -154,9 +156,10 @@ impl Bench {
             pages: BTreeSet::new(),
             last: None,
             recording: None,
+            recorded: None,
             found: None,
             sent: None,
-            felt: Bins::new(&haptics::Device::default()),
+            felt: Bins::new(&haptics::Device::default(), 1e-3),
             felt_shown: now,
             cancel: Arc::default(),
             experiment: None,
@@ -391,7 +394,7 @@ impl Bench {
         });
         self.live.header(&header);
         self.header = Some(header);
-        self.felt = Bins::new(&self.shared.known(|known| known.device));
+        self.felt = self.bins();
         self.dirty = true;
         self.tell(true);
     }

@@ -148,19 +148,11 @@ pub struct Handover {
 
 impl Handover {
     /// A finished recording waits for its diagnosis.
-    pub(crate) fn recorded(name: String, device: &Device, bins: &Bins) -> Self {
+    pub(crate) fn recorded(name: String, device: &Device) -> Self {
         let (speeds, positions) = (speeds(device), positions(device));
         let wanted = device.speed(COMPARED);
         let compared = speeds.iter().position(|speed| *speed >= wanted).unwrap_or(0);
-        Self {
-            step: Step::Diagnose,
-            recording: Some(name),
-            recorded: bins.curves(),
-            speeds,
-            positions,
-            compared,
-            ..Self::default()
-        }
+        Self { step: Step::Diagnose, recording: Some(name), speeds, positions, compared, ..Self::default() }
     }
 
     /// Whether this is a force that a hand would notice at any speed.
@@ -183,55 +175,82 @@ fn positions(device: &Device) -> Vec<f32> {
     (0..POSITION_BINS).map(|k| middle(k, POSITION_BINS, 0.5 * device.stroke)).collect()
 }
 
-/// Mean force of samples by speed and by position. Strokes that speed up and slow down alike cancel the inertia.
+/// Sums over the samples of a bin.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Bin {
+    force: f64,
+    acceleration: f64,
+    count: u32,
+}
+
+/// Mean force and acceleration of samples, by speed and by position.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Bins {
     speed_max: f64,
     reach: f64,
-    over_speed: Vec<(f64, u32)>,
-    over_position: Vec<(f64, u32)>,
-    /// Samples so far.
-    pub count: u64,
+    over_speed: Vec<Bin>,
+    over_position: Vec<Bin>,
+    /// Time and velocity of the last sample.
+    last: Option<(f64, f64)>,
+    /// Longest time between samples that follow each other, s.
+    gap: f64,
 }
 
 impl Bins {
-    pub fn new(device: &Device) -> Self {
+    pub fn new(device: &Device, sample_period: f64) -> Self {
         Self {
             speed_max: f64::from(device.speed(FASTEST)),
             reach: f64::from(0.5 * device.stroke),
-            over_speed: vec![(0.0, 0); SPEED_BINS],
-            over_position: vec![(0.0, 0); POSITION_BINS],
-            count: 0,
+            over_speed: vec![Bin::default(); SPEED_BINS],
+            over_position: vec![Bin::default(); POSITION_BINS],
+            last: None,
+            gap: 1.5 * sample_period,
         }
     }
 
-    /// Adds a sample with its friction force, N.
+    /// Adds a sample with the force on the body, N.
     pub fn push(&mut self, sample: &Sample, force: f64) {
+        let last = self.last.replace((sample.time, sample.velocity));
+        let Some((time, velocity)) = last.filter(|(time, _)| sample.time - time <= self.gap) else { return };
+        let step = sample.time - time;
+        if step <= 0.0 {
+            return;
+        }
+        let acceleration = (sample.velocity - velocity) / step;
         let place = |x: f64, most: f64, count: usize| {
             let at = (x / most + 1.0) * 0.5 * count as f64;
             (at >= 0.0 && at < count as f64).then_some(at as usize)
         };
-        let add = |bin: Option<&mut (f64, u32)>| {
-            if let Some((sum, count)) = bin {
-                (*sum, *count) = (*sum + force, count.saturating_add(1));
+        let add = |bin: Option<&mut Bin>| {
+            if let Some(bin) = bin {
+                bin.force += force;
+                bin.acceleration += acceleration;
+                bin.count = bin.count.saturating_add(1);
             }
         };
         add(place(sample.velocity, self.speed_max, SPEED_BINS).and_then(|k| self.over_speed.get_mut(k)));
         if sample.velocity > 0.05 * self.speed_max {
-            add(place(sample.position, self.reach, POSITION_BINS).and_then(|k| self.over_position.get_mut(k)));
+            let at = place(sample.position, self.reach, POSITION_BINS);
+            add(at.and_then(|k| self.over_position.get_mut(k)));
         }
-        self.count += 1;
     }
 
-    pub fn curves(&self) -> Curves {
-        let curve = |bins: &[(f64, u32)]| {
-            let mean = |(sum, count): &(f64, u32)| {
-                (*count >= ENOUGH).then(|| ((1e4 * sum / f64::from(*count)).round() / 1e4) as f32)
+    /// The force without the inertia of `mass`, kg.
+    pub fn curves(&self, mass: f64) -> Curves {
+        let curve = |bins: &[Bin]| {
+            let mean = |bin: &Bin| {
+                let friction = (bin.force - mass * bin.acceleration) / f64::from(bin.count);
+                (bin.count >= ENOUGH && friction.is_finite()).then(|| rounded(friction as f32))
             };
             bins.iter().map(mean).collect()
         };
         Curves { over_speed: curve(&self.over_speed), over_position: curve(&self.over_position) }
     }
+}
+
+/// A force to a tenth of a millinewton: the message stays short.
+pub(crate) fn rounded(force: f32) -> f32 {
+    (1e4 * force).round() / 1e4
 }
 
 /// Every parameter of these settings: name, unit and value.
@@ -309,21 +328,23 @@ mod tests {
     }
 
     #[test]
-    fn inertia_cancels_in_the_mean_of_a_stroke() {
+    fn inertia_is_taken_off_the_force_of_a_moved_body() {
         let device = Device::default();
-        let mut bins = Bins::new(&device);
+        let mut bins = Bins::new(&device, 1e-3);
         let (amplitude, rate, mass, level) = (0.01, std::f64::consts::TAU, 0.5, 2.0);
-        for k in 0..10_000 {
-            let (sin, cos) = (rate * f64::from(k) * 1e-3).sin_cos();
+        // a quarter of a period, in which the body only slows down
+        for k in (0..10_000).filter(|k| k % 1_000 < 250) {
+            let time = f64::from(k) * 1e-3;
+            let (sin, cos) = (rate * time).sin_cos();
             let (position, velocity) = (amplitude * sin, amplitude * rate * cos);
-            let force = level * velocity.signum() - mass * amplitude * rate * rate * sin;
-            bins.push(&Sample { position, velocity, ..Sample::default() }, force);
+            let force = level - mass * amplitude * rate * rate * sin;
+            bins.push(&Sample { time, position, velocity, ..Sample::default() }, force);
         }
-        let shown = Handover::recorded("rec-001.csv".into(), &device, &bins);
-        let at = shown.recorded.over_speed[shown.compared].expect("enough samples");
-        println!("{at} N at {} m/s", shown.speeds[shown.compared]);
-        assert!((f64::from(at) - level).abs() < 0.02);
-        assert_eq!(shown.recorded.over_speed[0], None, "never as fast");
+        let shown = Handover::recorded("rec-001.csv".into(), &device);
+        let at = |mass: f64| f64::from(bins.curves(mass).over_speed[shown.compared].expect("enough samples"));
+        println!("{} N with inertia, {} N without", at(0.0), at(mass));
+        assert!((at(0.0) - level).abs() > 0.1 && (at(mass) - level).abs() < 1e-3);
+        assert_eq!(bins.curves(mass).over_speed[0], None, "never as fast");
         assert_eq!((shown.step, shown.speeds.len()), (Step::Diagnose, SPEED_BINS));
     }
 }

@@ -1,7 +1,7 @@
 //! The handover: records, has it diagnosed, sends what the device renders of it, and shows the force before and after.
 
 use super::Bench;
-use crate::handover::{Bins, Curves, Handover, Renderable, Step, differences};
+use crate::handover::{Bins, Curves, Handover, Renderable, Step, differences, rounded};
 use crate::orders::About;
 use crate::say::Tone;
 use crate::tools::Found;
@@ -35,7 +35,7 @@ impl Bench {
         }
         let (device, bare) = self.shared.known(|known| (known.device, known.sim && known.block == "none"));
         if bare {
-            self.orders.push(format!("sim block {BLOCK}"), About::Hand);
+            self.orders.push(format!("sim block {BLOCK}"), About::Page("block"));
             self.block_is(BLOCK);
             self.say(
                 Tone::News,
@@ -45,7 +45,12 @@ impl Bench {
         }
         // the shortest decimal of the device's own precision
         let amplitude = device.length(AMPLITUDE).to_string().parse().unwrap_or(f64::from(AMPLITUDE));
-        self.drive(WAVE, [amplitude, FREQUENCY, SECONDS], true, false)
+        self.drive(WAVE, [amplitude, FREQUENCY, SECONDS], true, false)?;
+        if let Some(recording) = &mut self.recording {
+            // a move that is stopped ends it no more
+            recording.length = Some(SECONDS);
+        }
+        Ok(())
     }
 
     /// Second step.
@@ -87,6 +92,10 @@ impl Bench {
             felt: Curves::default(),
             ..known.handover.clone()
         });
+        let mass = found.preset.iter().find(|(name, _)| name == "mass").and_then(|(_, x)| x.parse().ok());
+        if let Some(bins) = &self.recorded {
+            next.recorded = bins.curves(mass.unwrap_or(0.0));
+        }
         let settings = match planned {
             Ok(Renderable { settings, moved, left_out, warning }) => {
                 next.before = self.felt_of(&active, &device, &next);
@@ -120,10 +129,7 @@ impl Bench {
 
     fn felt_of(&self, settings: &Settings, device: &Device, shown: &Handover) -> Curves {
         let compared = shown.speeds.get(shown.compared).copied().unwrap_or(0.0);
-        // four decimals of a newton
-        let curve = |forces: Vec<f32>| {
-            forces.iter().map(|f| f.is_finite().then(|| (1e4 * f).round() / 1e4)).collect()
-        };
+        let curve = |forces: Vec<f32>| forces.iter().map(|f| f.is_finite().then(|| rounded(*f))).collect();
         let over_speed = curve(self.tools.felt_over_speed(settings, device, &shown.speeds));
         let over_position =
             curve(self.tools.felt_over_position(settings, device, compared, &shown.positions));
@@ -150,7 +156,7 @@ impl Bench {
         let steps = verdict::steps(&active, &device, &changes)?;
         if sim {
             // what is rendered is felt alone
-            self.orders.push("sim block none", About::Quiet);
+            self.orders.push("sim block none", About::Page("block"));
             self.block_is("none");
         }
         for (name, value) in steps {
@@ -162,8 +168,8 @@ impl Bench {
         if sim {
             self.orders.push(format!("sim hand {HAND}"), About::Hand);
         }
-        let felt_before = self.felt.curves();
-        self.felt = Bins::new(&device);
+        let felt_before = self.felt.curves(block_mass(&active));
+        self.felt = self.bins();
         self.shared.known(|known| {
             known.handover.step = Step::Sending;
             known.handover.felt_before = felt_before;
@@ -181,7 +187,7 @@ impl Bench {
         let not_taken = self.sent.map(|target| differences(&now, &target, &device)).unwrap_or_default();
         match step {
             Step::Sending if sent => {
-                self.felt = Bins::new(&device);
+                self.felt = self.bins();
                 let names: Vec<&str> = not_taken.iter().map(|d| d.name.as_str()).collect();
                 self.shared.known(|known| match names.is_empty() {
                     true => known.handover.step = Step::Sent,
@@ -193,14 +199,14 @@ impl Bench {
             }
             // another preset is active: what was found is compared with that one
             Step::Sent if !not_taken.is_empty() => {
-                self.felt = Bins::new(&device);
+                self.felt = self.bins();
                 self.plan();
             }
             Step::Send | Step::Refused => {
-                self.felt = Bins::new(&device);
+                self.felt = self.bins();
                 self.plan();
             }
-            Step::Record | Step::Diagnose => self.felt = Bins::new(&device),
+            Step::Record | Step::Diagnose => self.felt = self.bins(),
             Step::Sending | Step::Sent => {}
         }
         self.dirty = true;
@@ -217,8 +223,7 @@ impl Bench {
             return;
         }
         self.felt_shown = Instant::now();
-        let felt = self.felt.curves();
-        self.shared.known(|known| known.handover.felt = felt);
+        self.shared.known(|known| known.handover.felt = self.felt.curves(block_mass(&known.settings)));
         self.dirty = true;
     }
 
@@ -228,4 +233,14 @@ impl Bench {
             self.shared.known(|known| known.block = name.into());
         }
     }
+
+    /// Empty bins for samples of this device.
+    pub(super) fn bins(&self) -> Bins {
+        self.shared.known(|known| Bins::new(&known.device, known.period))
+    }
+}
+
+/// Mass of the virtual block, kg, whose inertia the actuator renders besides friction.
+fn block_mass(settings: &Settings) -> f64 {
+    if settings.renderer.has_block() { f64::from(settings.mass) } else { 0.0 }
 }

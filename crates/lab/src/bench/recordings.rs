@@ -2,7 +2,7 @@
 
 use super::Bench;
 use super::recording_in_progress::{Recording, begin_file};
-use crate::handover::{Bins, Handover};
+use crate::handover::Handover;
 use crate::known::Listed;
 use crate::say::Tone;
 use client::Sample;
@@ -37,7 +37,7 @@ impl Bench {
         });
         all.extend_from_slice(notes);
         let file = begin_file(&self.folder.join(&name), header, all)?;
-        let bins = Bins::new(&self.shared.known(|known| known.device));
+        let bins = self.bins();
         let (motion, length) = (None, None);
         self.recording =
             Some(Recording { name, file, samples: 0, lost: 0, from: None, to: 0.0, motion, length, bins });
@@ -108,9 +108,10 @@ impl Bench {
             Ok(samples) => {
                 let listed = Listed { name: name.clone(), samples, lost, seconds };
                 self.found = None;
+                self.recorded = Some(bins);
                 self.shared.known(|known| {
                     known.recordings.insert(0, listed);
-                    known.handover = Handover::recorded(name.clone(), &known.device, &bins);
+                    known.handover = Handover::recorded(name.clone(), &known.device);
                 });
                 if identify && let Err(why) = self.analyse("identify", &[name]) {
                     self.say(Tone::Refused, "identify", why);

@@ -15,11 +15,10 @@ fn compared(state: &Value, curve: &str) -> Option<f64> {
     state["handover"][curve]["over_speed"][at].as_f64()
 }
 
-/// The virtual device is connected and knows the middle of its stroke.
+/// The virtual device has searched its stops.
 fn ready(socket: &mut crate::access::Socket) {
-    until(socket, "the device answers", |state| {
-        state["connected"] == true && state["mode"] == "idle" && state["unreferenced"] == false
-    });
+    until(socket, "it searches its stops", |state| state["mode"] == "homing");
+    until(socket, "it is referenced", |state| state["mode"] == "idle" && state["unreferenced"] == false);
 }
 
 pub fn what_was_recorded_is_diagnosed_and_felt_on_the_handle() {
