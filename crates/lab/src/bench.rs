@@ -394,7 +394,7 @@ impl Bench {
         });
         self.live.header(&header);
         self.header = Some(header);
-        self.felt = self.bins();
+        self.felt = self.bins().in_a_hand();
         self.dirty = true;
         self.tell(true);
     }

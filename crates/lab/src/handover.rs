@@ -23,6 +23,10 @@ const FASTEST: f32 = 0.1;
 const COMPARED: f32 = 0.031;
 /// Samples of a bin that is shown.
 const ENOUGH: u32 = 20;
+/// Samples of a bin after which older ones count half.
+const MEMORY: u32 = 2_000;
+/// Time in which a hand has taken hold, s.
+const TAKES_HOLD: f64 = 1.0;
 /// Share of the largest force below which nothing is felt.
 const FAINT: f32 = 0.005;
 
@@ -194,6 +198,10 @@ pub(crate) struct Bins {
     last: Option<(f64, f64)>,
     /// Longest time between samples that follow each other, s.
     gap: f64,
+    /// Time from the first sample that is not counted, s.
+    skipped: f64,
+    /// Time of the first sample.
+    from: Option<f64>,
 }
 
 impl Bins {
@@ -205,7 +213,14 @@ impl Bins {
             over_position: vec![Bin::default(); POSITION_BINS],
             last: None,
             gap: 1.5 * sample_period,
+            skipped: 0.0,
+            from: None,
         }
+    }
+
+    /// Bins of a handle in a hand, which jerks it at first.
+    pub fn in_a_hand(self) -> Self {
+        Self { skipped: TAKES_HOLD, ..self }
     }
 
     /// Adds a sample with the force on the body, N.
@@ -214,6 +229,9 @@ impl Bins {
         let Some((time, velocity)) = last.filter(|(time, _)| sample.time - time <= self.gap) else { return };
         let step = sample.time - time;
         if step <= 0.0 {
+            return;
+        }
+        if sample.time - *self.from.get_or_insert(sample.time) < self.skipped {
             return;
         }
         let acceleration = (sample.velocity - velocity) / step;
@@ -225,7 +243,14 @@ impl Bins {
             if let Some(bin) = bin {
                 bin.force += force;
                 bin.acceleration += acceleration;
-                bin.count = bin.count.saturating_add(1);
+                bin.count += 1;
+                if bin.count >= MEMORY {
+                    *bin = Bin {
+                        force: 0.5 * bin.force,
+                        acceleration: 0.5 * bin.acceleration,
+                        count: bin.count / 2,
+                    };
+                }
             }
         };
         add(place(sample.velocity, self.speed_max, SPEED_BINS).and_then(|k| self.over_speed.get_mut(k)));

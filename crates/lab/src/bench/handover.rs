@@ -169,7 +169,7 @@ impl Bench {
             self.orders.push(format!("sim hand {HAND}"), About::Hand);
         }
         let felt_before = self.felt.curves(block_mass(&active));
-        self.felt = self.bins();
+        self.felt = self.bins().in_a_hand();
         self.shared.known(|known| {
             known.handover.step = Step::Sending;
             known.handover.felt_before = felt_before;
@@ -187,7 +187,7 @@ impl Bench {
         let not_taken = self.sent.map(|target| differences(&now, &target, &device)).unwrap_or_default();
         match step {
             Step::Sending if sent => {
-                self.felt = self.bins();
+                self.felt = self.bins().in_a_hand();
                 let names: Vec<&str> = not_taken.iter().map(|d| d.name.as_str()).collect();
                 self.shared.known(|known| match names.is_empty() {
                     true => known.handover.step = Step::Sent,
@@ -199,11 +199,11 @@ impl Bench {
             }
             // another preset is active: what was found is compared with that one
             Step::Sent if !not_taken.is_empty() => {
-                self.felt = self.bins();
+                self.felt = self.bins().in_a_hand();
                 self.plan();
             }
             Step::Send | Step::Refused => {
-                self.felt = self.bins();
+                self.felt = self.bins().in_a_hand();
                 self.plan();
             }
             Step::Record | Step::Diagnose => self.felt = self.bins(),

@@ -15,10 +15,11 @@ fn compared(state: &Value, curve: &str) -> Option<f64> {
     state["handover"][curve]["over_speed"][at].as_f64()
 }
 
-/// The virtual device has searched its stops.
+/// The virtual device streams, and knows the middle of its stroke.
 fn ready(socket: &mut crate::access::Socket) {
-    until(socket, "it searches its stops", |state| state["mode"] == "homing");
-    until(socket, "it is referenced", |state| state["mode"] == "idle" && state["unreferenced"] == false);
+    until(socket, "the device streams", |state| {
+        state["connected"] == true && state["epoch"] != 0 && state["presets"][0].is_string()
+    });
 }
 
 pub fn what_was_recorded_is_diagnosed_and_felt_on_the_handle() {
@@ -57,7 +58,7 @@ pub fn what_was_recorded_is_diagnosed_and_felt_on_the_handle() {
     println!("{before} N before, {after} N if sent, {body} N recorded");
     // [thesis, table 3-3], run 1: rubber 3.4901 N + 8.7338 N·s/m · 31 mm/s, brass 1.7714 N + 0.457 N·s/m · 31 mm/s
     assert!((after / 3.763 - 1.0).abs() < 0.05 && (before / 1.786 - 1.0).abs() < 0.01);
-    assert!((body - after).abs() < 0.2, "what was recorded is what is sent");
+    assert!((body - after).abs() < 0.1, "what was recorded is what is sent");
     assert_eq!(found["armed"], false);
 
     ask(socket, &json!({ "do": "handover_send" }));
@@ -164,11 +165,26 @@ pub fn three_clicks_lead_from_a_recording_to_the_handle() {
         std::thread::sleep(std::time::Duration::from_millis(800));
         page.picture(name);
     }
+    // what a device cannot render is named below the force; of a body made up for the picture
+    page.eval(
+        "import('/assets/handover.js').then((m) => m.state({ ...lab.known, handover: { ...lab.known.handover, step: 'send', \
+         summary: 'The simulation leaves out cogging and compliance.', \
+         moved: [{ name: 'f_static_p', found: 15, sent: 9.48, why: 'N; from dynamic friction to the limit of the actuator' }], \
+         left_out: [{ name: 'spring', why: 'spring.stiffness = 50000000: accepted from 0 to 1493000; outside the stability bounds of device and block' }] } }))",
+    );
+    let notes = page.eval("document.querySelector('#ho-notes').innerText");
+    page.picture("handover-4-limits");
+    println!("{notes}");
+    assert!(
+        notes.as_str().is_some_and(
+            |text| text.contains("15 was found, 9.48 is sent") && text.contains("Not sent: spring")
+        )
+    );
     // one more press brings the former preset back
     press(&mut page, "[data-preset=brass]");
     page.until("the comparison is with brass again", "document.querySelector('#ho-send.next')", 5);
     page.size((390, 844), 2.0);
     page.until("nothing is wider than a phone", "document.documentElement.scrollWidth <= 390", 5);
     page.eval("document.querySelector('#handover').scrollIntoView()");
-    page.picture("handover-4-phone");
+    page.picture("handover-5-phone");
 }
