@@ -37,7 +37,7 @@ function sentence({ handover, job, recording, period }) {
     send: summary,
     refused: `Nothing was sent. ${refused[0]?.toUpperCase()}${refused.slice(1)}.`,
     sending: "Sent; waiting for the device.",
-    sent: `On the handle, in place of ${before_name}. ${known.sim ? "A simulated hand moves it; drag the handle below the scope to feel it yourself." : "Take the body off, and move the handle."}`,
+    sent: `On the handle, in place of ${before_name}, which its button in Feel brings back. ${known.sim ? "A simulated hand moves it; drag the handle to feel it yourself." : "Take the body off, and move the handle."}`,
   }[step];
 }
 

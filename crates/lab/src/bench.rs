@@ -236,6 +236,7 @@ impl Bench {
         self.flush_now();
         self.end_recording();
         self.interrupt();
+        self.interrupt_handover();
         self.shared.known(|known| {
             known.connected = false;
             known.armed = false;
@@ -322,6 +323,7 @@ impl Bench {
             recording.stop_waiting();
         }
         self.shared.known(|known| known.armed = false);
+        self.interrupt_handover();
         self.dirty = true;
     }
 

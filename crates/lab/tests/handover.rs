@@ -194,6 +194,10 @@ fn what_exceeds_the_device_is_named_and_the_rest_is_felt() {
     println!("over position: {:.3} N before, {:.3} N after", span("before"), span("after"));
     assert!(span("before") < 0.01 && (span("after") - 1.2).abs() < 0.05);
 
+    // stopped on its way, and sent again
+    bench.ask(&json!({ "do": "handover_send" }));
+    bench.ask(&json!({ "do": "stop" }));
+    bench.until("it is stopped", |now| now["handover"]["step"] == "send" && now["armed"] == false);
     bench.ask(&json!({ "do": "handover_send" }));
     let sent = bench.until("it is on the device", |now| now["handover"]["step"] == "sent");
     assert_eq!(parameter(&sent, "f_dynamic_p"), 2.5);

@@ -212,6 +212,22 @@ impl Bench {
         self.dirty = true;
     }
 
+    /// A stop or a lost device: what was on its way may have arrived in part.
+    pub(super) fn interrupt_handover(&mut self) {
+        let was_sending = self.shared.known(|known| {
+            let sending = known.handover.step == Step::Sending;
+            if sending {
+                known.handover.step = Step::Send;
+            }
+            sending
+        });
+        if was_sending && self.device.is_some() {
+            // it is compared with what the device has now
+            self.sent = None;
+            self.refresh();
+        }
+    }
+
     /// Force felt under the active preset.
     pub(super) fn feel_handover(&mut self, sample: &Sample) {
         if ModeId::from_code(sample.mode) != Some(ModeId::Rendering) {

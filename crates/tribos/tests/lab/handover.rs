@@ -165,6 +165,9 @@ pub fn three_clicks_lead_from_a_recording_to_the_handle() {
         std::thread::sleep(std::time::Duration::from_millis(800));
         page.picture(name);
     }
+    page.key("Escape");
+    page.until("force is off", "lab.known.mode === 'idle' && !lab.known.armed", 5);
+    std::thread::sleep(std::time::Duration::from_millis(800));
     // what a device cannot render is named below the force; of a body made up for the picture
     page.eval(
         "import('/assets/handover.js').then((m) => m.state({ ...lab.known, handover: { ...lab.known.handover, step: 'send', \
