@@ -156,7 +156,7 @@ function plan({ handover }) {
     return tr;
   }));
   const notes = !planned ? [] : [
-    ...moved.map((m) => ["At its limit", `${m.name}: ${+m.found.toPrecision(4)} was found, ${+m.sent.toPrecision(4)} is sent: ${m.why}`]),
+    ...moved.map((m) => ["At its limit", `${m.name}: ${+m.found.toPrecision(4)} was found, ${+m.sent.toPrecision(4)} ${m.unit} is sent; ${m.why}`]),
     ...left_out.map((l) => ["Not sent", `${l.name}: ${l.why}`]),
     ...(warning ? [["Warning", warning]] : []),
   ];

@@ -57,8 +57,8 @@ pub(crate) enum ToBench {
     Sessions,
     /// Job progress.
     Progress(f32, String),
-    /// Result of a job, with what it found.
-    Finished(Box<crate::known::Done>, Option<Box<Found>>),
+    /// Result of a job; of a handover what it found, too, or why it found nothing.
+    Finished(Box<crate::known::Done>, Option<Box<Result<Found, String>>>),
     /// Ends the thread.
     Quit,
 }
@@ -284,14 +284,14 @@ impl Bench {
                     self.dirty = true;
                 }
                 Ok(ToBench::Finished(done, found)) => {
-                    let of = (done.kind == "diagnose").then(|| done.of.clone());
+                    let of = done.of.clone();
                     let report = done.report.clone();
                     self.shared.known(|known| {
                         known.job = None;
                         known.done = Some(*done);
                     });
                     self.dirty = true;
-                    if let (Some(of), Some(found)) = (of, found) {
+                    if let Some(found) = found {
                         self.diagnosed(&of, *found, report);
                     }
                 }

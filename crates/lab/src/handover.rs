@@ -39,7 +39,9 @@ pub struct Moved {
     pub found: f32,
     /// As sent.
     pub sent: f32,
-    /// Unit and reason.
+    /// Unit of both.
+    pub unit: String,
+    /// Reason.
     pub why: String,
 }
 

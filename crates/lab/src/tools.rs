@@ -20,8 +20,6 @@ pub struct Found {
     pub summary: String,
     /// Parts of the model that are no parameter of a preset.
     pub left_out: Vec<LeftOut>,
-    /// Reason why this must not be rendered, if there is one.
-    pub not_to_render: Option<String>,
 }
 
 /// How far an analysis is, 0 to 1, and what it does; `Break` ends it early.
@@ -65,6 +63,12 @@ pub trait Tools: Send + Sync {
     /// # Errors
     /// What is wrong with the sessions.
     fn analyse(&self, sessions: &[PathBuf], report: &Path, progress: Progress<'_>) -> Result<Found, String>;
+
+    /// Why this is not a recording of a body on the handle, and must not be rendered; none if it is one.
+    ///
+    /// # Errors
+    /// What is wrong with the recording.
+    fn not_a_body(&self, recording: &Path) -> Result<Option<String>, String>;
 
     /// What the device renders of a body that was found; what `found` does not name stays as in `active`.
     ///

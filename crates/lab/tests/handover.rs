@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
 /// Tools that find whatever they are told to find.
-struct Finds(Found);
+struct Finds(Found, Option<&'static str>);
 
 impl Tools for Finds {
     fn port(&self) -> &str {
@@ -38,6 +38,10 @@ impl Tools for Finds {
         Err("not here".into())
     }
 
+    fn not_a_body(&self, _: &Path) -> Result<Option<String>, String> {
+        Ok(self.1.map(str::to_owned))
+    }
+
     fn renderable(
         &self,
         found: &[(String, String)],
@@ -49,7 +53,8 @@ impl Tools for Finds {
             name: change.parameter,
             found: change.from,
             sent: change.to,
-            why: change.why.to_string(),
+            unit: "N".into(),
+            why: change.why.words.to_owned(),
         });
         let left_out = body.left_out.into_iter().map(|left| LeftOut { name: left.name, why: left.why });
         Ok(Renderable {
@@ -87,7 +92,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn finding(found: Found) -> Self {
+    fn with(finds: Finds) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let options = Options {
             address: ([127, 0, 0, 1], 0).into(),
@@ -95,7 +100,7 @@ impl Bench {
             folder: folder.path().to_owned(),
             live: client::Streams::default(),
         };
-        let lab = Lab::start(options, Arc::new(Finds(found))).expect("a free port");
+        let lab = Lab::start(options, Arc::new(finds)).expect("a free port");
         let stream = TcpStream::connect(lab.address()).expect("the lab listens");
         stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a socket");
         use tungstenite::client::IntoClientRequest;
@@ -166,7 +171,7 @@ fn what_exceeds_the_device_is_named_and_the_rest_is_felt() {
         ("spring.stiffness", "5e7"),
     ]);
     body.left_out.push(LeftOut { name: "compliance".into(), why: "sensor or drive".into() });
-    let mut bench = Bench::finding(body);
+    let mut bench = Bench::with(Finds(body, None));
     let plan = bench.diagnosed();
     for note in ["moved", "left_out"] {
         println!("{note}: {}", plan[note]);
@@ -215,17 +220,15 @@ fn what_exceeds_the_device_is_named_and_the_rest_is_felt() {
 
 #[test]
 fn nothing_is_sent_of_what_cannot_be_rendered() {
+    let none = ["f_static", "f_dynamic", "damping"].map(|name| (name, "0"));
     let cases = [
-        (found(&[]), "no model was found"),
-        (found(&[("law", "stick_slip")]), "expected one of"),
-        (found(&[("f_static", "0"), ("f_dynamic", "0"), ("damping", "-3")]), "no friction was found"),
-        (
-            Found { not_to_render: Some("it shows a hand".into()), ..found(&[("f_static", "2")]) },
-            "shows a hand",
-        ),
+        (Finds(found(&[]), None), "no model was found"),
+        (Finds(found(&[("law", "stick_slip")]), None), "expected one of"),
+        (Finds(found(&none), None), "no friction was found"),
+        (Finds(found(&[("f_static", "2")]), Some("it shows a hand")), "shows a hand"),
     ];
-    for (found, why) in cases {
-        let mut bench = Bench::finding(found);
+    for (finds, why) in cases {
+        let mut bench = Bench::with(finds);
         let plan = bench.diagnosed();
         println!("{}", plan["refused"]);
         assert_eq!(plan["step"], "refused");

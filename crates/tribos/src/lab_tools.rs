@@ -74,7 +74,6 @@ impl Tools for HostTools {
             text: diagnosing::outline(&name, &found),
             preset,
             left_out,
-            not_to_render: train.iter().find_map(pushed_from_beyond),
             summary: found.summary,
             ..Found::default()
         })
@@ -101,6 +100,11 @@ impl Tools for HostTools {
         Ok(Found { text: experimenting::text(&analysis), tables, ..Found::default() })
     }
 
+    fn not_a_body(&self, recording: &Path) -> std::result::Result<Option<String>, String> {
+        let recording = reading::read(recording, &Mapping::default()).map_err(words)?;
+        Ok(pushed_from_beyond(&recording))
+    }
+
     fn renderable(
         &self,
         found: &[(String, String)],
@@ -112,7 +116,8 @@ impl Tools for HostTools {
             name: change.parameter,
             found: change.from,
             sent: change.to,
-            why: change.why.on(device.geometry).to_string(),
+            unit: change.why.dimension.map_or_else(String::new, |d| d.unit(device.geometry).to_string()),
+            why: change.why.words.to_owned(),
         };
         let left_out = |left: design::LeftOut| LeftOut { name: left.name, why: left.why };
         Ok(Renderable {

@@ -8,6 +8,7 @@ use crate::tools::Found;
 use crate::verdict;
 use client::Sample;
 use haptics::{Device, ModeId, Settings};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// Length of the recording, s.
@@ -57,32 +58,39 @@ impl Bench {
     pub(super) fn handover_diagnose(&mut self) -> Result<(), String> {
         let recording = self.shared.known(|known| known.handover.recording.clone());
         let name = recording.ok_or("nothing was recorded yet: record first")?;
-        self.analyse("diagnose", &[name])
+        self.start_job("diagnose", &[name], true)
     }
 
-    /// A diagnosis has ended.
-    pub(super) fn diagnosed(&mut self, of: &str, found: Found, report: Option<String>) {
-        if self.shared.known(|known| known.handover.recording.as_deref() != Some(of)) {
+    /// The diagnosis of a handover has ended.
+    pub(super) fn diagnosed(&mut self, of: &str, found: Result<Found, String>, report: Option<String>) {
+        let cancelled = self.cancel.load(Ordering::Relaxed);
+        if cancelled || self.shared.known(|known| known.handover.recording.as_deref() != Some(of)) {
             return;
         }
-        self.shared.known(|known| {
-            known.handover.summary.clone_from(&found.summary);
-            known.handover.report = report;
-        });
-        self.found = Some(found);
-        self.plan();
+        match found {
+            Ok(found) => {
+                self.shared.known(|known| {
+                    known.handover.summary.clone_from(&found.summary);
+                    known.handover.report = report;
+                });
+                self.found = Some(found);
+                self.plan();
+            }
+            Err(why) => self.shared.known(|known| {
+                known.handover.step = Step::Refused;
+                known.handover.refused = why;
+            }),
+        }
     }
 
     /// What would be sent now, on the pages; the settings, if it can be sent.
     fn plan(&mut self) -> Option<Settings> {
         let found = self.found.as_ref()?;
         let (active, device) = self.shared.known(|known| (known.settings, known.device));
-        let planned = match &found.not_to_render {
-            Some(why) => Err(why.clone()),
-            None if found.preset.is_empty() => {
-                Err("no model was found, so there is nothing to render; the report says why".to_owned())
-            }
-            None => self.tools.renderable(&found.preset, &active, &device),
+        let planned = if found.preset.is_empty() {
+            Err("no model was found, so there is nothing to render; the report says why".to_owned())
+        } else {
+            self.tools.renderable(&found.preset, &active, &device)
         };
         let mut next = self.shared.known(|known| Handover {
             differences: Vec::new(),
@@ -142,7 +150,9 @@ impl Bench {
             return Err("it is on the handle already".into());
         }
         if self.found.is_none() {
-            return Err("nothing was diagnosed yet: record and diagnose first".into());
+            let refused = self.shared.known(|known| known.handover.refused.clone());
+            let nothing = "nothing was diagnosed yet: record and diagnose first".to_owned();
+            return Err(if refused.is_empty() { nothing } else { refused });
         }
         if let Some(fault) = self.shared.known(|known| known.fault.clone()) {
             return Err(format!("a fault is latched: {}; clear it first", fault.says));

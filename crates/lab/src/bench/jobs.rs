@@ -14,6 +14,16 @@ const STEP: Duration = Duration::from_millis(100);
 impl Bench {
     /// Starts an analysis of these recordings.
     pub(super) fn analyse(&mut self, kind: &'static str, names: &[String]) -> Result<(), String> {
+        self.start_job(kind, names, false)
+    }
+
+    /// Starts an analysis; that of a handover is of a body on the handle.
+    pub(super) fn start_job(
+        &mut self,
+        kind: &'static str,
+        names: &[String],
+        handover: bool,
+    ) -> Result<(), String> {
         if self.shared.known(|known| known.job.is_some()) {
             return Err("one analysis is running: wait for it".into());
         }
@@ -43,7 +53,10 @@ impl Bench {
                     ControlFlow::Continue(())
                 }
             };
+            let not_a_body = || paths.iter().find_map(|path| tools.not_a_body(path).transpose());
+            let refused = if handover { not_a_body() } else { None };
             let found = match kind {
+                _ if refused.is_some() => refused.unwrap_or_else(|| Ok(String::new())).and_then(Err),
                 "identify" => tools.identify(&paths, &file, &progress),
                 "analyse" => tools.analyse(&paths, &file, &progress),
                 _ => tools.diagnose(&paths, &file, &progress),
@@ -51,14 +64,12 @@ impl Bench {
             let cancelled = || Err("cancelled: nothing was found and nothing was changed".to_owned());
             let found = if cancel.load(Ordering::Relaxed) { cancelled() } else { found };
             let failed = found.is_err();
-            let (done, found) = match found {
-                Ok(found) => (found.clone(), Some(Box::new(found))),
-                Err(text) => (Found { text, ..Found::default() }, None),
-            };
+            let handed = handover.then(|| Box::new(found.clone()));
+            let done = found.unwrap_or_else(|text| Found { text, ..Found::default() });
             let Found { text, preset, tables, .. } = done;
             let report = (!failed).then_some(report);
             let done = Done { kind, of, text, failed, report, preset, tables };
-            let _ = own.send(ToBench::Finished(Box::new(done), found));
+            let _ = own.send(ToBench::Finished(Box::new(done), handed));
         };
         std::thread::Builder::new().name(kind.into()).spawn(work).map(|_| ()).map_err(|e| {
             self.shared.known(|known| known.job = None);

@@ -172,17 +172,15 @@ pub fn three_clicks_lead_from_a_recording_to_the_handle() {
     page.eval(
         "import('/assets/handover.js').then((m) => m.state({ ...lab.known, handover: { ...lab.known.handover, step: 'send', \
          summary: 'The simulation leaves out cogging and compliance.', \
-         moved: [{ name: 'f_static_p', found: 15, sent: 9.48, why: 'N; from dynamic friction to the limit of the actuator' }], \
+         moved: [{ name: 'f_static_p', found: 15, sent: 9.48, unit: 'N', why: 'from dynamic friction to the limit of the actuator' }], \
          left_out: [{ name: 'spring', why: 'spring.stiffness = 50000000: accepted from 0 to 1493000; outside the stability bounds of device and block' }] } }))",
     );
     let notes = page.eval("document.querySelector('#ho-notes').innerText");
     page.picture("handover-4-limits");
     println!("{notes}");
-    assert!(
-        notes.as_str().is_some_and(
-            |text| text.contains("15 was found, 9.48 is sent") && text.contains("Not sent: spring")
-        )
-    );
+    assert!(notes.as_str().is_some_and(
+        |text| text.contains("15 was found, 9.48 N is sent") && text.contains("Not sent: spring")
+    ));
     // one more press brings the former preset back
     press(&mut page, "[data-preset=brass]");
     page.until("the comparison is with brass again", "document.querySelector('#ho-send.next')", 5);
