@@ -33,12 +33,12 @@ pub struct Renderable {
 ///
 /// ```
 /// use haptics::{Device, Settings};
-/// let found = [("f_static", "20"), ("f_dynamic", "3"), ("cogging.sine_1", "5"), ("cogging.wavelength", "0.0001")];
+/// let found = [("f_static", "20"), ("f_dynamic", "3"), ("spring.stiffness", "1e9")];
 /// let found = found.map(|(name, value)| (name.to_owned(), value.to_owned()));
 /// let device = Device::default();
 /// let body = design::renderable(&found, &Settings::brass(), &device)?;
 /// assert_eq!(body.settings.f_static_p, device.force_max);
-/// assert_eq!(body.left_out[0].name, "cogging");
+/// assert_eq!(body.left_out[0].name, "spring");
 /// # Ok::<(), String>(())
 /// ```
 ///

@@ -10,6 +10,7 @@ const SECONDS = 10;
 const SERIES = [
   { key: "before", colour: "quiet", dash: [5, 4], width: 2 },
   { key: "after", colour: "accent", width: 2.5 },
+  { key: "felt_before", colour: "quiet", points: true },
   { key: "recorded", colour: "force", points: true },
   { key: "felt", colour: "good", points: true },
 ];
@@ -122,7 +123,7 @@ function plots({ handover, preset }) {
   const sent = handover.step === "sent";
   const names = {
     before: `${sent ? handover.before_name : preset}, before`, after: sent ? "what was found, sent" : "what was found",
-    recorded: "recorded body, measured", felt: "handle, measured now",
+    felt_before: "before, measured", recorded: "recorded body, measured", felt: "handle, measured now",
   };
   const key = JSON.stringify([handover, names, innerWidth, matchMedia("(prefers-color-scheme: dark)").matches]);
   if (key === drawn) return;
