@@ -172,8 +172,14 @@ pub fn three_clicks_lead_from_a_recording_to_the_handle() {
     page.eval(
         "import('/assets/handover.js').then((m) => m.state({ ...lab.known, handover: { ...lab.known.handover, step: 'send', \
          summary: 'The simulation leaves out cogging and compliance.', \
+         after: { ...lab.known.handover.after, over_position: lab.known.handover.positions.map((x) => 3.7 + 0.6 * Math.sin(x / 1.3e-3)) }, \
          moved: [{ name: 'f_static_p', found: 15, sent: 9.48, unit: 'N', why: 'from dynamic friction to the limit of the actuator' }], \
          left_out: [{ name: 'spring', why: 'spring.stiffness = 50000000: accepted from 0 to 1493000; outside the stability bounds of device and block' }] } }))",
+    );
+    assert_eq!(
+        page.eval("document.querySelector('#ho-position').hidden"),
+        json!(false),
+        "a force of the position is drawn"
     );
     let notes = page.eval("document.querySelector('#ho-notes').innerText");
     page.picture("handover-4-limits");
