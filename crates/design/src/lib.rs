@@ -3,17 +3,21 @@
 #![forbid(unsafe_code)]
 
 mod closed;
+mod felt;
 pub mod grid;
 mod grid_map;
 mod map;
 mod nearest;
+mod renderable;
 pub mod renderers;
 pub mod texture;
 
 pub use closed::Error;
+pub use felt::{felt_over_position, felt_over_speed};
 pub use grid_map::grid_map;
 pub use map::map;
 pub use nearest::{Change, nearest};
+pub use renderable::{LeftOut, Renderable, renderable};
 
 use haptics::bounds::{self, ClosedLoop, Grasp};
 use serde_json::{Map, Value, json};

@@ -92,11 +92,14 @@ export function state(known) {
     $("job").querySelector("span").textContent = `${known.job.kind} ${known.job.of}: ${known.job.says}`;
   }
   done(known.done);
-  // a report that arrives while this page is open is shown once
+  // a report that arrives while this page is open is shown once; that of a handover would lie on its next button
   const report = known.done?.report ?? null;
-  if (reported !== null && report && report + known.done.text !== reported) beside(report);
+  const handed = report !== null && report === known.handover.report;
+  if (reported !== null && report && !handed && report + known.done.text !== reported) beside(report);
   reported = report ? report + known.done.text : "";
   $("block").hidden = $("hand-bar").hidden = !known.sim;
+  const material = $("block").querySelector("select");
+  if (material !== document.activeElement) material.value = known.block;
 }
 
 export function start() {

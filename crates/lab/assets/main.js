@@ -3,6 +3,7 @@
 import * as bench from "./bench.js";
 import * as controls from "./controls.js";
 import { Handle } from "./handle.js";
+import * as handover from "./handover.js";
 import { Loop } from "./loop.js";
 import * as planar from "./plane.js";
 import { Ring } from "./ring.js";
@@ -67,6 +68,7 @@ function state(now) {
   handle.state(now);
   controls.state(now);
   bench.state(now);
+  handover.state(now);
   tests.state(now);
 }
 
@@ -162,6 +164,7 @@ tabs();
 keys();
 controls.start();
 bench.start();
+handover.start();
 planar.start();
 tests.start(ring);
 connect();

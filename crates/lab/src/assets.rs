@@ -22,6 +22,7 @@ assets! {
     "handle.js", SCRIPT, "../assets/handle.js";
     "controls.js", SCRIPT, "../assets/controls.js";
     "bench.js", SCRIPT, "../assets/bench.js";
+    "handover.js", SCRIPT, "../assets/handover.js";
     "plane.js", SCRIPT, "../assets/plane.js";
     "try.js", SCRIPT, "../assets/try.js";
     // MIT, its licence beside it; the reports inline the same file

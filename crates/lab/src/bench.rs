@@ -2,6 +2,7 @@
 
 mod answers;
 mod experiments;
+mod handover;
 mod jobs;
 mod recording_in_progress;
 mod recordings;
@@ -11,17 +12,19 @@ mod running;
 mod sessions;
 
 use crate::batch::Batch;
+use crate::handover::Bins;
 use crate::known::Known;
 use crate::message::Ask;
 use crate::orders::{About, Orders};
 use crate::say::{Say, Tone};
-use crate::tools::Tools;
+use crate::tools::{Found, Tools};
 use axum::extract::ws::Message;
 use client::{Event, Header, Sample, Session, Streams};
 use recording_in_progress::Recording;
 use running::Running;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -54,8 +57,8 @@ pub(crate) enum ToBench {
     Sessions,
     /// Job progress.
     Progress(f32, String),
-    /// Result of a job.
-    Finished(Box<crate::known::Done>),
+    /// Result of a job; of a handover what it found, too, or why it found nothing.
+    Finished(Box<crate::known::Done>, Option<Box<Result<Found, String>>>),
     /// Ends the thread.
     Quit,
 }
@@ -105,6 +108,18 @@ pub(crate) struct Bench {
     pages: BTreeSet<u64>,
     last: Option<Sample>,
     recording: Option<Recording>,
+    /// Force on the body of the last recording.
+    recorded: Option<Bins>,
+    /// What was found in the recording of the handover.
+    found: Option<Found>,
+    /// What the handover sent to the device.
+    sent: Option<haptics::Settings>,
+    /// Force commanded under the active preset.
+    felt: Bins,
+    /// Time at which it was shown last.
+    felt_shown: Instant,
+    /// Asks the job that runs to end.
+    cancel: Arc<AtomicBool>,
     experiment: Option<Running>,
     /// Silence limit of the device before this lab changed it, s.
     watch: Option<String>,
@@ -141,6 +156,12 @@ impl Bench {
             pages: BTreeSet::new(),
             last: None,
             recording: None,
+            recorded: None,
+            found: None,
+            sent: None,
+            felt: Bins::new(&haptics::Device::default(), 1e-3),
+            felt_shown: now,
+            cancel: Arc::default(),
             experiment: None,
             watch: None,
             live,
@@ -215,6 +236,7 @@ impl Bench {
         self.flush_now();
         self.end_recording();
         self.interrupt();
+        self.interrupt_handover();
         self.shared.known(|known| {
             known.connected = false;
             known.armed = false;
@@ -261,12 +283,17 @@ impl Bench {
                     });
                     self.dirty = true;
                 }
-                Ok(ToBench::Finished(done)) => {
+                Ok(ToBench::Finished(done, found)) => {
+                    let of = done.of.clone();
+                    let report = done.report.clone();
                     self.shared.known(|known| {
                         known.job = None;
                         known.done = Some(*done);
                     });
                     self.dirty = true;
+                    if let Some(found) = found {
+                        self.diagnosed(&of, *found, report);
+                    }
                 }
             }
         }
@@ -296,6 +323,7 @@ impl Bench {
             recording.stop_waiting();
         }
         self.shared.known(|known| known.armed = false);
+        self.interrupt_handover();
         self.dirty = true;
     }
 
@@ -368,6 +396,7 @@ impl Bench {
         });
         self.live.header(&header);
         self.header = Some(header);
+        self.felt = self.bins().in_a_hand();
         self.dirty = true;
         self.tell(true);
     }
@@ -385,6 +414,7 @@ impl Bench {
             self.flush_now();
         }
         self.record(sample);
+        self.feel_handover(sample);
         self.follow(sample);
     }
 

@@ -97,6 +97,8 @@ pub struct Known {
     pub force_max: f64,
     /// What validation says of the active settings, with every parameter and its limits.
     pub verdict: Verdict,
+    /// What the virtual handle slides on besides what is rendered: a material, or `none`.
+    pub block: String,
     /// Being recorded: samples until now.
     pub recording: Option<u64>,
     /// Finished recordings, the newest first.
@@ -105,6 +107,8 @@ pub struct Known {
     pub job: Option<Job>,
     /// What was computed last.
     pub done: Option<Done>,
+    /// From the last recording to the handle.
+    pub handover: crate::handover::Handover,
     /// The session that is open.
     pub experiment: Option<crate::experiment::Shown>,
     /// Sessions of this folder.
@@ -141,10 +145,12 @@ impl Known {
             reach: 0.5 * f64::from(device.stroke),
             force_max: f64::from(device.force_max),
             verdict: verdict::judge(&settings, &device),
+            block: "none".into(),
             recording: None,
             recordings: Vec::new(),
             job: None,
             done: None,
+            handover: crate::handover::Handover::default(),
             experiment: None,
             sessions: Vec::new(),
             settings,

@@ -18,6 +18,7 @@ pub mod batch;
 mod bench;
 pub mod experiment;
 pub mod guard;
+pub mod handover;
 pub mod known;
 pub mod message;
 mod orders;
@@ -28,6 +29,7 @@ mod session_file;
 pub mod tools;
 pub mod verdict;
 
+pub use handover::{Curves, LeftOut, Moved, Renderable};
 pub use tools::{Found, Progress, Tools};
 
 use bench::{Bench, Shared, ToBench};

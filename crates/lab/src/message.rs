@@ -95,6 +95,17 @@ pub enum Ask {
         /// Their names.
         recordings: Vec<String>,
     },
+    /// Records ten seconds: the device drives the handle, or a hand moves it.
+    HandoverRecord {
+        /// A hand moves it.
+        by_hand: bool,
+    },
+    /// Diagnoses what was just recorded.
+    HandoverDiagnose,
+    /// Sends what was found to the device, and switches the force on.
+    HandoverSend,
+    /// Ends the analysis that runs, without a result.
+    Cancel,
     /// Analyses sessions of the folder.
     Analyse {
         /// Their files.

@@ -14,6 +14,8 @@ const MAX_WAITING: usize = 200;
 pub(crate) enum About {
     Version,
     Get,
+    /// The listing after a handover.
+    Sent,
     Presets,
     Stream,
     /// The silence limit of the device, restored at the end.

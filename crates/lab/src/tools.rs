@@ -1,7 +1,10 @@
 //! Functions of the host command that the page offers; the caller implements them.
 
+use crate::handover::{LeftOut, Renderable};
 use client::Session;
+use haptics::{Device, Settings};
 use serde::Serialize;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// What an analysis found.
@@ -13,10 +16,14 @@ pub struct Found {
     pub preset: Vec<(String, String)>,
     /// Tables that were written beside the report, by name.
     pub tables: Vec<String>,
+    /// The answer as one sentence.
+    pub summary: String,
+    /// Parts of the model that are no parameter of a preset.
+    pub left_out: Vec<LeftOut>,
 }
 
-/// How far an analysis is, 0 to 1, and what it does.
-pub type Progress<'a> = &'a dyn Fn(f32, &str);
+/// How far an analysis is, 0 to 1, and what it does; `Break` ends it early.
+pub type Progress<'a> = &'a dyn Fn(f32, &str) -> ControlFlow<()>;
 
 /// The host command, as the lab uses it.
 pub trait Tools: Send + Sync {
@@ -56,6 +63,35 @@ pub trait Tools: Send + Sync {
     /// # Errors
     /// What is wrong with the sessions.
     fn analyse(&self, sessions: &[PathBuf], report: &Path, progress: Progress<'_>) -> Result<Found, String>;
+
+    /// Why this is not a recording of a body on the handle, and must not be rendered; none if it is one.
+    ///
+    /// # Errors
+    /// What is wrong with the recording.
+    fn not_a_body(&self, recording: &Path) -> Result<Option<String>, String>;
+
+    /// What the device renders of a body that was found; what `found` does not name stays as in `active`.
+    ///
+    /// # Errors
+    /// Why it renders nothing of it.
+    fn renderable(
+        &self,
+        found: &[(String, String)],
+        active: &Settings,
+        device: &Device,
+    ) -> Result<Renderable, String>;
+
+    /// Friction force of a preset at each velocity, N.
+    fn felt_over_speed(&self, settings: &Settings, device: &Device, velocities: &[f32]) -> Vec<f32>;
+
+    /// Friction force of a preset at each position, N, at a constant velocity.
+    fn felt_over_position(
+        &self,
+        settings: &Settings,
+        device: &Device,
+        velocity: f32,
+        positions: &[f32],
+    ) -> Vec<f32>;
 
     /// Writes a recording as MCAP.
     ///

@@ -39,9 +39,10 @@ impl Bench {
                 });
                 self.dirty = true;
             }
-            About::Get => {
+            About::Get | About::Sent => {
                 self.shared.known(|known| known.listing(&answer.rest));
                 self.dirty = true;
+                self.settings_listed(answer.order.about == About::Sent);
             }
             About::Presets => {
                 self.shared.known(|known| known.preset_list(&answer.first));

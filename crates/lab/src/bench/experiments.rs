@@ -85,6 +85,7 @@ impl Bench {
         if sim && block(before) != block(Some(wanted)) {
             let name = if block(Some(wanted)) { "rubber" } else { "none" };
             self.orders.push(format!("sim block {name}"), About::Quiet);
+            self.shared.known(|known| known.block = name.into());
         }
         match wanted {
             Felt::Bare { .. } => self.orders.push("render off", About::Quiet),

@@ -1,5 +1,6 @@
 //! A recording in progress: its file, and the move that it waits for.
 
+use crate::handover::Bins;
 use client::{Header, Plan, RecordingFile};
 use std::path::Path;
 
@@ -13,6 +14,10 @@ pub(super) struct Recording {
     pub(super) from: Option<f64>,
     pub(super) to: f64,
     pub(super) motion: Option<Motion>,
+    /// Length after which it ends by itself, s.
+    pub(super) length: Option<f64>,
+    /// Force on the load cell.
+    pub(super) bins: Bins,
 }
 
 /// Move that the recording waits for.

@@ -2,6 +2,7 @@
 
 use super::Bench;
 use super::recording_in_progress::{Recording, begin_file};
+use crate::handover::Handover;
 use crate::known::Listed;
 use crate::say::Tone;
 use client::Sample;
@@ -36,8 +37,10 @@ impl Bench {
         });
         all.extend_from_slice(notes);
         let file = begin_file(&self.folder.join(&name), header, all)?;
+        let bins = self.bins();
+        let (motion, length) = (None, None);
         self.recording =
-            Some(Recording { name, file, samples: 0, lost: 0, from: None, to: 0.0, motion: None });
+            Some(Recording { name, file, samples: 0, lost: 0, from: None, to: 0.0, motion, length, bins });
         self.shared.known(|known| known.recording = Some(0));
         self.dirty = true;
         Ok(())
@@ -71,8 +74,12 @@ impl Bench {
             return self.end_recording();
         }
         let from = *recording.from.get_or_insert(sample.time);
+        if recording.length.is_some_and(|length| sample.time - from >= length - 0.5e-3) {
+            return self.end_recording();
+        }
         recording.to = sample.time;
         recording.samples += 1;
+        recording.bins.push(sample, sample.force);
         let count = recording.samples;
         if let Err(why) = recording.file.write(&Sample { time: sample.time - from, ..*sample }) {
             self.say(Tone::Error, "record", why.to_string());
@@ -96,10 +103,16 @@ impl Bench {
             recording.file.discard();
             return self.say(Tone::Refused, "record", "nothing was recorded");
         }
+        let bins = recording.bins;
         match recording.file.finish(lost) {
             Ok(samples) => {
                 let listed = Listed { name: name.clone(), samples, lost, seconds };
-                self.shared.known(|known| known.recordings.insert(0, listed));
+                self.found = None;
+                self.recorded = Some(bins);
+                self.shared.known(|known| {
+                    known.recordings.insert(0, listed);
+                    known.handover = Handover::recorded(name.clone(), &known.device);
+                });
                 if identify && let Err(why) = self.analyse("identify", &[name]) {
                     self.say(Tone::Refused, "identify", why);
                 }

@@ -10,8 +10,15 @@ use haptics::{Excitation, Wave};
 
 impl Bench {
     pub(super) fn asked(&mut self, ask: Ask) {
-        let without =
-            matches!(ask, Ask::Identify { .. } | Ask::Diagnose { .. } | Ask::Analyse { .. } | Ask::Leave);
+        let without = matches!(
+            ask,
+            Ask::Identify { .. }
+                | Ask::Diagnose { .. }
+                | Ask::HandoverDiagnose
+                | Ask::Cancel
+                | Ask::Analyse { .. }
+                | Ask::Leave
+        );
         if self.device.is_none() && !without {
             return self.say(Tone::Refused, "device", "no device is connected");
         }
@@ -35,6 +42,7 @@ impl Bench {
         let needs = matches!(
             ask,
             Ask::Move { .. }
+                | Ask::HandoverRecord { by_hand: false }
                 | Ask::BeginTargeting { .. }
                 | Ask::BeginChoice { .. }
                 | Ask::Resume { .. }
@@ -53,6 +61,8 @@ impl Bench {
                 | Ask::Use { .. }
                 | Ask::Set { .. }
                 | Ask::Move { .. }
+                | Ask::HandoverRecord { .. }
+                | Ask::HandoverSend
                 | Ask::Block { .. }
                 | Ask::HandSine { .. }
         );
@@ -115,6 +125,7 @@ impl Bench {
                 self.only_simulated().map_err(|why| ("block", why))?;
                 let name = word(&name).map_err(|why| ("block", why))?;
                 self.orders.push(format!("sim block {name}"), About::Page("block"));
+                self.block_is(name);
                 Ok(())
             }
             Ask::Record => self.begin_recording(&[]).map_err(|why| ("record", why)),
@@ -128,6 +139,10 @@ impl Bench {
             Ask::Diagnose { recordings } => {
                 self.analyse("diagnose", &recordings).map_err(|why| ("diagnose", why))
             }
+            Ask::HandoverRecord { by_hand } => self.handover_record(by_hand).map_err(|why| ("record", why)),
+            Ask::HandoverDiagnose => self.handover_diagnose().map_err(|why| ("diagnose", why)),
+            Ask::HandoverSend => self.handover_send().map_err(|why| ("send", why)),
+            Ask::Cancel => self.cancel().map_err(|why| ("cancel", why)),
             Ask::Analyse { sessions } => self.analyse("analyse", &sessions).map_err(|why| ("analyse", why)),
             Ask::BeginTargeting { subject, seed, practice } => {
                 self.begin_targeting(&subject, seed, practice).map_err(|why| ("experiment", why))
@@ -149,7 +164,7 @@ impl Bench {
         }
     }
 
-    fn arm(&mut self) -> Result<(), (&'static str, String)> {
+    pub(super) fn arm(&mut self) -> Result<(), (&'static str, String)> {
         if let Some(fault) = self.shared.known(|known| known.fault.clone()) {
             return Err(("arm", format!("a fault is latched: {}; clear it first", fault.says)));
         }
@@ -170,7 +185,7 @@ impl Bench {
         Ok(())
     }
 
-    fn refresh(&mut self) {
+    pub(super) fn refresh(&mut self) {
         self.orders.push("preset list", About::Presets);
         self.orders.push("get", About::Get);
     }
@@ -185,7 +200,7 @@ impl Bench {
         Ok(())
     }
 
-    fn drive(
+    pub(super) fn drive(
         &mut self,
         wave: &str,
         [amplitude, frequency, seconds]: [f64; 3],

@@ -46,7 +46,7 @@ fn small_bag(bag: &Path, small: &Path) -> rusqlite::Result<()> {
     )
 }
 
-const MESSAGES: [&str; 12] = [
+const MESSAGES: [&str; 14] = [
     r#"{"do":"arm"}"#,
     r#"{"do":"hand","at":0.01}"#,
     r#"{"do":"use","name":"rubber"}"#,
@@ -54,6 +54,8 @@ const MESSAGES: [&str; 12] = [
     r#"{"do":"set","changes":[["mass","0.5"],["k_vc","8000"],["b_vc","20"]]}"#,
     r#"{"do":"move","wave":"sine","amplitude":0.01,"frequency":2.0,"seconds":5.0,"record":true}"#,
     r#"{"do":"diagnose","recordings":["rec-001.csv"]}"#,
+    r#"{"do":"handover_record","by_hand":false}"#,
+    r#"{"do":"handover_send"}"#,
     r#"{"do":"begin_targeting","subject":"s1","seed":1,"practice":false}"#,
     r#"{"do":"begin_choice","subject":"s1","seed":1,"batches":"[[batch]]\nname = \"a\"\nreference = { f_static = 2.0, f_dynamic = 2.0, damping = 1.0, mass = 0.2 }\nprocedure = { constant = { comparisons = [], rounds = 2 } }\n"}"#,
     "[[batch]]\nname = \"a\"\n[batch.procedure.adaptive]\nvaried = \"both\"\nrange_n = [0.1, 1.0]\ntrials = 60\nenough = 2.0\n",

@@ -7,13 +7,13 @@ use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
-type Socket = WebSocket<std::net::TcpStream>;
+pub type Socket = WebSocket<std::net::TcpStream>;
 
 fn lab(folder: &tempfile::TempDir) -> Lab {
     Lab::start(&folder.path().join("lab"), &["sim"])
 }
 
-fn own_socket(lab: &Lab) -> Socket {
+pub fn own_socket(lab: &Lab) -> Socket {
     let origin = format!("http://{}", lab.host());
     let socket = lab.socket(Some(&origin)).expect("its own page");
     socket.get_ref().set_read_timeout(Some(Duration::from_secs(20))).expect("a socket");
@@ -21,7 +21,7 @@ fn own_socket(lab: &Lab) -> Socket {
 }
 
 /// Messages until one is as wanted.
-fn wait_for(socket: &mut Socket, what: &str, mut wanted: impl FnMut(&Value) -> bool) -> Value {
+pub fn wait_for(socket: &mut Socket, what: &str, mut wanted: impl FnMut(&Value) -> bool) -> Value {
     let began = Instant::now();
     loop {
         assert!(began.elapsed() < Duration::from_secs(20), "{what}: not within 20 s");
@@ -33,7 +33,7 @@ fn wait_for(socket: &mut Socket, what: &str, mut wanted: impl FnMut(&Value) -> b
     }
 }
 
-fn ask(socket: &mut Socket, what: &Value) {
+pub fn ask(socket: &mut Socket, what: &Value) {
     socket.send(Message::text(what.to_string())).expect("the lab hears");
 }
 

@@ -8,6 +8,7 @@ mod analysis;
 mod browser;
 mod cost;
 mod experiments;
+mod handover;
 #[cfg(unix)]
 mod origin;
 mod plane;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
             access::batches_of_ones_own_are_presented_and_what_the_device_would_refuse_is_refused_before_the_first_trial,
             origin::a_virtual_device_on_a_port_is_homed_by_itself,
             origin::a_real_device_is_homed_only_when_the_page_asks,
+            handover::what_was_recorded_is_diagnosed_and_felt_on_the_handle,
             experiments::a_driven_handle_is_let_go_within_seconds_of_the_labs_death,
         ],
         tests![access::a_hundred_thousand_malformed_messages_crash_nothing]
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
             experiments::a_segment_of_targeting_and_a_batch_of_forced_choice_by_script,
             experiments::what_is_finished_survives_the_death_of_server_browser_and_device,
             experiments::a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept,
+            handover::three_clicks_lead_from_a_recording_to_the_handle,
             plane::the_force_of_a_dragged_puck_is_that_of_the_law,
             plane::a_circle_of_targets_is_selected_kept_and_analysed,
             scope::the_trace_is_live_at_1_khz_and_rubber_feels_like_rubber,
