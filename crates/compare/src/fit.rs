@@ -1,6 +1,7 @@
 //! A recording as rows of steady sliding, and its friction in bins of speed.
 
 use crate::error::{Error, FEWEST};
+use crate::texture::{self, Texture};
 use identify::{Identification, KarnoppOptions, Preprocess, identify_karnopp, prepare};
 use nalgebra::{DMatrix, DVector};
 use signals::{Geometry, Recording, RecordingFault};
@@ -44,6 +45,9 @@ pub struct Measured {
     pub faults: Vec<RecordingFault>,
     /// The load cell was read from the side of the hand: its sign was turned.
     pub turned: bool,
+    /// What repeats over position, if that shows.
+    pub(crate) texture: Option<Texture>,
+    pub(crate) rows_of_texture: Option<texture::Rows>,
     rows: Vec<Row>,
     band: f64,
     fastest: f64,
@@ -102,7 +106,9 @@ impl Measured {
         }
         let name = recording.name.clone();
         let faults = identified.recording_faults.clone();
-        Ok(Self { name, identified, faults, turned, rows, band, fastest })
+        let rows_of_texture = texture::Rows::new(signals, band);
+        let texture = rows_of_texture.as_ref().and_then(texture::Rows::texture);
+        Ok(Self { name, identified, faults, turned, texture, rows_of_texture, rows, band, fastest })
     }
 
     /// Rows of steady sliding.
