@@ -35,6 +35,8 @@ const OVERSAMPLING: f64 = 5.0;
 const NARROW: f64 = 8.0;
 /// Least agreement of the parts of a recording.
 const COHERENT: f64 = 0.785;
+/// Most frequencies that are tried.
+const MOST_FREQUENCIES: usize = 3000;
 /// Lines that are looked at, strongest first.
 const CANDIDATES: usize = 5;
 /// Least power of a subharmonic over that of the strongest line, to be the fundamental: a seventh of its amplitude.
@@ -258,9 +260,11 @@ impl Rows {
 
     /// Spatial frequency that everything else is a harmonic of, 1/m.
     fn fundamental(&self) -> Option<f64> {
-        let scan = Scan::new(self);
+        let mut scan = Scan::new(self);
+        scan.scan(self.highest);
         let line = scan.lines().into_iter().next()?;
-        let beside = scan.without(line);
+        let mut beside = scan.without(line);
+        beside.scan(line);
         let lowest = FEWEST_PERIODS / self.stroke;
         let strongest = scan.power(line);
         for part in [3.0, 2.0] {
@@ -298,6 +302,8 @@ struct Scan<'a> {
     force: Vec<f64>,
     /// Orthonormal columns.
     basis: Vec<Vec<f64>>,
+    /// Frequencies, 1/m, with the power that a line there explains.
+    powers: Vec<(f64, f64)>,
 }
 
 impl<'a> Scan<'a> {
@@ -307,7 +313,7 @@ impl<'a> Scan<'a> {
         let kept: Vec<usize> = (0..rows.used.len()).step_by(step).collect();
         let pick = |column: &Vec<f64>| kept.iter().map(|&i| column[i]).collect::<Vec<f64>>();
         let force = pick(&rows.force);
-        let mut scan = Self { rows, force, basis: Vec::new(), kept: kept.clone() };
+        let mut scan = Self { rows, force, basis: Vec::new(), kept: kept.clone(), powers: Vec::new() };
         for column in &rows.base {
             scan.take_off(pick(column));
         }
@@ -370,34 +376,36 @@ impl<'a> Scan<'a> {
 
     /// Median power within an octave on both sides of a line, without the line.
     fn around(&self, frequency: f64) -> f64 {
-        let powers: Vec<f64> = self
-            .grid()
-            .filter(|f| *f >= 0.5 * frequency && *f <= 2.0 * frequency)
-            .filter(|f| (f - frequency).abs() * self.rows.stroke >= 1.0)
-            .map(|f| self.power(f))
-            .collect();
+        let beside = |f: &f64| {
+            *f >= 0.5 * frequency
+                && *f <= 2.0 * frequency
+                && (f - frequency).abs() * self.rows.stroke >= 1.0
+        };
+        let powers: Vec<f64> = self.powers.iter().filter(|(f, _)| beside(f)).map(|(_, p)| *p).collect();
         if powers.is_empty() { f64::INFINITY } else { quantile(&powers, 0.5) }
     }
 
-    fn grid(&self) -> impl Iterator<Item = f64> {
+    /// Fills the powers up to `highest` 1/m.
+    fn scan(&mut self, highest: f64) {
         let step = 1.0 / (OVERSAMPLING * self.rows.stroke);
         let first = (FEWEST_PERIODS * OVERSAMPLING) as usize;
-        let last = ((self.rows.highest / step) as usize).min(3000);
-        (first..=last).map(move |k| k as f64 * step)
+        let last = ((highest / step) as usize).min(MOST_FREQUENCIES);
+        self.powers = (first..=last).map(|k| k as f64 * step).map(|f| (f, self.power(f))).collect();
     }
 
     /// Frequencies of lines, strongest first.
     fn lines(&self) -> Vec<f64> {
-        let all: f64 = self.rows.force.iter().map(|f| f * f).sum::<f64>() / self.rows.force.len() as f64;
+        let all = self.rows.force.iter().map(|f| f * f).sum::<f64>() / self.rows.force.len() as f64;
         let least = NOTHING * all * self.kept.len() as f64;
-        let grid: Vec<f64> = self.grid().collect();
-        let powers: Vec<f64> = grid.iter().map(|f| self.power(*f)).collect();
-        let mut peaks: Vec<usize> = (1..powers.len().saturating_sub(1))
-            .filter(|&i| powers[i] > least && powers[i] >= powers[i - 1] && powers[i] >= powers[i + 1])
+        let mut peaks: Vec<(f64, f64)> = self
+            .powers
+            .windows(3)
+            .filter(|w| w[1].1 > least && w[1].1 >= w[0].1 && w[1].1 >= w[2].1)
+            .map(|w| w[1])
             .collect();
-        peaks.sort_by(|a, b| powers[*b].total_cmp(&powers[*a]));
+        peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
         peaks.truncate(CANDIDATES);
-        peaks.into_iter().filter(|&i| powers[i] > NARROW * self.around(grid[i])).map(|i| grid[i]).collect()
+        peaks.into_iter().filter(|(f, power)| *power > NARROW * self.around(*f)).map(|(f, _)| f).collect()
     }
 
     /// The same without a line and its overtones.
@@ -407,6 +415,7 @@ impl<'a> Scan<'a> {
             kept: self.kept.clone(),
             force: self.force.clone(),
             basis: self.basis.clone(),
+            powers: Vec::new(),
         };
         // the line lies between two frequencies of the grid
         for shift in [0.0, -0.25, 0.25] {
