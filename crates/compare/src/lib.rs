@@ -37,6 +37,7 @@
 
 #![forbid(unsafe_code)]
 
+mod asked;
 mod distance;
 mod error;
 mod fit;
@@ -45,6 +46,7 @@ mod plane;
 mod texture;
 mod texture_distance;
 
+pub use asked::asked;
 pub use distance::{Breakaway, Comparison, Curves, Interval, Point, Verdict, compare};
 pub use error::Error;
 pub use fit::{Bins, Levels, Measured, Row};

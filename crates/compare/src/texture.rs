@@ -10,8 +10,8 @@
 //!
 //! **The period.** One harmonic at a time explains a power S(f) of the force at spatial frequency f; f runs from two
 //! periods in the stroke up to what the filter passes at the median speed. A line is a local maximum of S that is
-//! [`NARROW`] times the median of S within an octave on both sides of it: a law of friction that is not a parabola leaves a
-//! slope in S, and no line. Gauss-Newton steps then fit λ with all harmonics.
+//! [`NARROW`] times the median of what is left of S within an octave on both sides of it, once the line is taken off: a law
+//! of friction that is not a parabola leaves a slope in S, and no line. Gauss-Newton steps then fit λ with all harmonics.
 //!
 //! **Beyond noise.** The fit is repeated without each tenth of the recording. A texture shows if the n = 10 pseudo-values
 //! c_k of its strongest line agree: R = |Σ c_k|²/(n·Σ|c_k|²). Noise exceeds R with probability (1 − R)^(n − 1); at
@@ -39,8 +39,9 @@ const COHERENT: f64 = 0.785;
 const MOST_FREQUENCIES: usize = 3000;
 /// Lines that are looked at, strongest first.
 const CANDIDATES: usize = 5;
-/// Least power of a subharmonic over that of the strongest line, to be the fundamental: a seventh of its amplitude.
-const SUBHARMONIC: f64 = 0.02;
+/// Least power of a subharmonic over that of the strongest line, to be the fundamental: a third of its amplitude. A body
+/// that skips every other valley has a weaker one.
+const SUBHARMONIC: f64 = 0.1;
 /// Least amplitude, JND.
 const NOTICED: f64 = 0.5;
 /// Time that is excluded after a reversal, s: a coupling rings.
@@ -374,14 +375,14 @@ impl<'a> Scan<'a> {
         power
     }
 
-    /// Median power within an octave on both sides of a line, without the line.
+    /// Median power that is left within an octave on both sides of a line, once the line is taken off.
     fn around(&self, frequency: f64) -> f64 {
-        let beside = |f: &f64| {
-            *f >= 0.5 * frequency
-                && *f <= 2.0 * frequency
-                && (f - frequency).abs() * self.rows.stroke >= 1.0
+        let beside = self.without(frequency);
+        let far = |f: &f64| {
+            *f >= 0.5 * frequency && *f <= 2.0 * frequency && (f - frequency).abs() * self.rows.stroke >= 1.0
         };
-        let powers: Vec<f64> = self.powers.iter().filter(|(f, _)| beside(f)).map(|(_, p)| *p).collect();
+        let powers: Vec<f64> =
+            self.powers.iter().map(|(f, _)| *f).filter(far).map(|f| beside.power(f)).collect();
         if powers.is_empty() { f64::INFINITY } else { quantile(&powers, 0.5) }
     }
 

@@ -15,7 +15,8 @@
 //! *The same*: in both directions the interval of A'/A lies within the margin, that of λ'/λ too, and the overlap is within
 //! the margin of 1. *Different*: one of them lies wholly beyond it, or one texture is a force of position (it pulls the body
 //! into its valleys) and the other a friction (it resists in both directions). Which it is follows from the strongest harmonic:
-//! cos ψ = Re(c₊·c₋*)/|c₊·c₋| is 1 for a force, −1 for a friction. No JND is known for that, so it is not in D².
+//! cos ψ = Re(c₊·c₋*)/|c₊·c₋| is 1 for a force, −1 for a friction. An elastic connection turns ψ by its own lag, so the kind
+//! is known only where ψ is clear of a quarter turn by the phase of half a millimetre: not below periods of 2 mm. No JND is known for that, so it is not in D².
 //! The intervals hold for all of these figures at once.
 
 use crate::Jnd;
@@ -29,6 +30,9 @@ use std::f64::consts::TAU;
 /// Student's t for nine degrees of freedom and 5 % over five figures, on both sides: two ratios, two overlaps, the period.
 const T_ALL: f64 = 3.250;
 const _: () = assert!(BLOCKS == 10);
+/// Distance by which an elastic connection, such as the coupling of a rendered block, may move the texture of one direction
+/// against that of the other, m: 2 N in both directions on 8000 N/m.
+const LAG: f64 = 0.5e-3;
 /// Shifts that are tried, of one period.
 const SHIFTS: usize = 180;
 
@@ -177,9 +181,11 @@ fn distance(pair: &[Texture; 2], shows: [bool; 2], margin: f64) -> TextureCompar
         .collect();
     let kind = |k: usize| {
         let cosine = interval(KIND + k);
+        // cosine of a quarter of a turn less the phase of the lag
+        let least = (TAU * LAG / pair[k].whole.period).min(0.25 * TAU).sin();
         match cosine.ci95 {
-            [low, _] if shows[k] && low > 0.0 => Some(Kind::Force),
-            [_, high] if shows[k] && high < 0.0 => Some(Kind::Friction),
+            [low, _] if shows[k] && low > least => Some(Kind::Force),
+            [_, high] if shows[k] && high < -least => Some(Kind::Friction),
             _ => None,
         }
     };

@@ -96,7 +96,8 @@ fn same_texture_with_new_noise_and_phase_is_same() {
             assert!((d.rendered / power - 1.0).abs() < 0.03, "{d:?}");
             assert!(t.distance.ci95[1] < 1.0);
             let kind = if pattern.reverse > 0.0 { Kind::Force } else { Kind::Friction };
-            assert_eq!(t.kind, [Some(kind); 2]);
+            // a coupling could turn a period of a millimetre as far
+            assert_eq!(t.kind, [(name != "linen").then_some(kind); 2]);
             verdicts.push(t.verdict);
         }
         assert_eq!(verdicts, [Verdict::Same; 20], "{name}");

@@ -103,7 +103,7 @@ fn scaled(model: &Model, times: f64) -> Model {
 }
 
 /// A hand moves the handle to and fro while the device renders the model; recorded over its line.
-fn feel(model: &Model, path: &Path, seed: u64, watch: &dyn Watch) -> Result<Recording> {
+pub(crate) fn feel(model: &Model, path: &Path, seed: u64, watch: &dyn Watch) -> Result<Recording> {
     let mut device = Virtual::new(seed)?;
     device.device().hold(Holder::to_and_fro(BY_HAND.0, BY_HAND.1));
     let mut session = Session::over("sim", Box::new(device));
