@@ -83,10 +83,21 @@ impl Measured {
             .position
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-        let ringing = (RINGING / signals.dt).ceil() as usize;
-        let unsteady = unsteady(&signals.position, velocity, band, SETTLING * (high - low), ringing);
+        let rows_of_texture = texture::Rows::new(signals.clone(), band);
+        let texture = rows_of_texture.as_ref().and_then(texture::Rows::texture);
+        let repeated = texture.as_ref().zip(rows_of_texture.as_ref()).map(|(t, rows)| rows.force_of(t));
+        let unsteady = match &repeated {
+            // a body in detents halts in every valley: what it does there is in the texture
+            Some(_) => texture::idle(velocity, band, signals.dt),
+            None => {
+                let ringing = (RINGING / signals.dt).ceil() as usize;
+                unsteady(&signals.position, velocity, band, SETTLING * (high - low), ringing)
+            }
+        };
         let columns = [&signals.time, velocity, &signals.acceleration, &signals.force, &unsteady];
-        let [time, velocity, acceleration, force, unsteady] = columns.map(|c| signals.condition(c));
+        let [time, velocity, acceleration, mut force, unsteady] = columns.map(|c| signals.condition(c));
+        // friction is what is left
+        force.iter_mut().zip(repeated.iter().flatten()).for_each(|(f, texture)| *f -= texture);
         let count = time.len();
         let rows: Vec<Row> = (0..count)
             .filter(|&i| unsteady[i].abs() <= LEAK && velocity[i].abs() > band)
@@ -106,8 +117,6 @@ impl Measured {
         }
         let name = recording.name.clone();
         let faults = identified.recording_faults.clone();
-        let rows_of_texture = texture::Rows::new(signals, band);
-        let texture = rows_of_texture.as_ref().and_then(texture::Rows::texture);
         Ok(Self { name, identified, faults, turned, texture, rows_of_texture, rows, band, fastest })
     }
 

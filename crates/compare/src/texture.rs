@@ -114,9 +114,8 @@ pub(crate) struct Rows {
 impl Rows {
     /// None if too little slides, or over no distance.
     pub(crate) fn new(signals: Signals, band: f64) -> Option<Self> {
-        let ringing = (RINGING / signals.dt).ceil() as usize;
-        let ways = ways(&signals.velocity, band, ringing);
-        let idle: Vec<f64> = ways.iter().map(|w| 1.0 - w.abs()).collect();
+        let ways = ways(&signals.velocity, band, signals.dt);
+        let idle = idle(&signals.velocity, band, signals.dt);
         let columns = [&ways, &idle, &signals.force, &signals.acceleration, &signals.velocity];
         let [way, idle, force, acceleration, velocity] = columns.map(|c| signals.condition(c));
         let position = signals.condition(&signals.position);
@@ -235,6 +234,23 @@ impl Rows {
         columns
     }
 
+    /// Force of a texture at each row of the signals, N; 0 where the body does not slide.
+    pub(crate) fn force_of(&self, texture: &Texture) -> Vec<f64> {
+        let Lines { lines, period } = &texture.whole;
+        let of = |(x, way): (&f64, &f64)| {
+            if *way == 0.0 {
+                return 0.0;
+            }
+            let by = |(h, c): (usize, &Complex<f64>)| {
+                let (sine, cosine) = (TAU * (h + 1) as f64 / period * (x - self.centre)).sin_cos();
+                c.re * cosine + c.im * sine
+            };
+            lines[usize::from(*way < 0.0)].iter().enumerate().map(by).sum()
+        };
+        let raw: Vec<f64> = self.signals.position.iter().zip(&self.ways).map(of).collect();
+        self.signals.condition(&raw)
+    }
+
     /// Derivative of the texture by its period.
     fn slope(&self, lines: &Lines) -> Vec<f64> {
         let period = lines.period;
@@ -283,8 +299,14 @@ impl Rows {
     }
 }
 
-/// Direction of each sample: 0 slower than `band`, and for `ringing` samples after a reversal.
-fn ways(velocity: &[f64], band: f64, ringing: usize) -> Vec<f64> {
+/// 1 where a sample does not slide, as [`ways`] has it.
+pub(crate) fn idle(velocity: &[f64], band: f64, dt: f64) -> Vec<f64> {
+    ways(velocity, band, dt).iter().map(|w| 1.0 - w.abs()).collect()
+}
+
+/// Direction of each sample: 0 slower than `band`, and for [`RINGING`] after a reversal.
+fn ways(velocity: &[f64], band: f64, dt: f64) -> Vec<f64> {
+    let ringing = (RINGING / dt).ceil() as usize;
     let (mut way, mut since) = (0.0, 0);
     let of = |v: &f64| {
         since += 1;

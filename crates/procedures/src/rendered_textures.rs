@@ -1,137 +1,112 @@
-//! Texture presets against what the device renders of them, with every renderer for a block and with passivity control.
+//! Texture presets against what the device renders of them: with each renderer of a block, and with passivity control.
 
-use crate::Unwatched;
-use crate::library;
-use crate::rendered::feel;
-use compare::{Comparison, MARGIN, Measured, asked, compare};
+use crate::rendered::feel_with;
+use crate::{Unwatched, library};
+use compare::{Comparison, Kind, MARGIN, Measured, TextureComparison, Verdict, asked, compare};
+use identify::Model;
 use signals::Recording;
 use std::path::Path;
 
-/// A hand feels the preset, rendered by `renderer`.
-fn felt(preset: &str, renderer: &str, passivity: &str, times: f64, seed: u64) -> Recording {
-    let mut model = library::read(Path::new(preset)).unwrap_or_else(|e| panic!("{preset}: {e}"));
-    model.coupling.renderer = Some(renderer.into());
-    model.coupling.passivity = Some(passivity.into());
-    for effect in &mut model.effects {
-        effect.gains.iter_mut().for_each(|gain| *gain *= times);
-    }
-    let dir = tempfile::tempdir().expect("a folder");
-    feel(&model, &dir.path().join("felt.csv"), seed, &Unwatched)
-        .unwrap_or_else(|e| panic!("{preset}, {renderer}, passivity {passivity}: {e}"))
+/// A slow hand, for grain: m, Hz. A coupling passes what is slow against its own swing.
+const SLOW: (f64, f64) = (0.012, 0.3);
+/// A hand that runs through detents: a slow one halts in each of them.
+const QUICK: (f64, f64) = (0.012, 0.6);
+
+fn preset(name: &str) -> Model {
+    library::read(Path::new(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-fn judged(preset: &str, rendered: &Recording) -> Comparison {
-    let model = library::read(Path::new(preset)).expect("a preset");
-    let real = asked(&model, rendered).unwrap_or_else(|e| panic!("{preset}: {e}"));
+fn felt(model: &Model, hand: (f64, f64), seed: u64) -> Recording {
+    let dir = tempfile::tempdir().expect("a folder");
+    feel_with(hand, model, &dir.path().join("felt.csv"), seed, &Unwatched)
+        .unwrap_or_else(|e| panic!("{}: {e}", model.name))
+}
+
+/// What `model` asks for against what was recorded.
+fn judged(model: &Model, rendered: &Recording, bare: Option<&Measured>) -> Comparison {
+    let real = asked(model, rendered).unwrap_or_else(|e| panic!("{}: {e}", model.name));
     let measured =
-        |recording: &Recording| Measured::new(recording).unwrap_or_else(|e| panic!("{preset}: {e}"));
-    compare(&measured(&real), &measured(rendered), None, MARGIN).unwrap_or_else(|e| panic!("{preset}: {e}"))
+        |recording: &Recording| Measured::new(recording).unwrap_or_else(|e| panic!("{}: {e}", model.name));
+    let c = compare(&measured(&real), &measured(rendered), bare, MARGIN)
+        .unwrap_or_else(|e| panic!("{}: {e}", model.name));
+    println!(
+        "{}: friction {:.3} ({:.3?}), {:.2} JND, {:?}",
+        model.name, c.ratio.value, c.ratio.ci95, c.distance.value, c.verdict
+    );
+    if let Some(t) = &c.texture {
+        println!(
+            "  texture {:.2} JND ({:.2?}), {:?}, periods {:.6?}, {:?}",
+            t.distance.value, t.distance.ci95, t.verdict, t.period, t.kind
+        );
+        for d in &t.directions {
+            println!(
+                "  {}: asked {:.3} N, rendered {:.3} N, JND {:.3} N, ratio {:.3?}, overlap {:.4?}",
+                d.direction,
+                d.real,
+                d.rendered,
+                d.jnd,
+                d.ratio.map(|r| r.ci95),
+                d.overlap.map(|o| o.ci95)
+            );
+        }
+    }
+    c
+}
+
+fn texture(c: Comparison) -> TextureComparison {
+    c.texture.expect("a texture")
+}
+
+fn ratio(t: &TextureComparison) -> f64 {
+    let ratios: Vec<f64> = t.directions.iter().map(|d| d.ratio.expect("a ratio").value).collect();
+    ratios.iter().sum::<f64>() / ratios.len() as f64
 }
 
 #[test]
-fn explore() {
-    for preset in [
-        "washboard",
-        "ratchet",
-        "volume-knob",
-        "selector",
-        "corduroy",
-        "wood-grain",
-        "linen",
-        "ice-with-grit",
-        "file",
-        "ball-slide",
-    ] {
-        for (renderer, passivity) in [
-            ("stopping_force", "off"),
-            ("stopping_force", "on"),
-            ("admittance", "off"),
-            ("admittance", "on"),
-            ("virtual_coupling", "off"),
-        ] {
-            let r = std::panic::catch_unwind(|| judged(preset, &felt(preset, renderer, passivity, 1.0, 1)));
-            match r {
-                Ok(c) => {
-                    println!(
-                        "{preset:12} {renderer:16} {passivity:3} friction {:.3?} {:?} D {:.2}",
-                        c.ratio.ci95, c.verdict, c.distance.value
-                    );
-                    if let Some(t) = &c.texture {
-                        println!(
-                            "     texture {:.2} JND {:.2?} {:?} periods {:?} {:?} kind {:?}",
-                            t.distance.value,
-                            t.distance.ci95,
-                            t.verdict,
-                            t.period,
-                            t.period_ratio.map(|r| r.ci95),
-                            t.kind
-                        );
-                        for d in &t.directions {
-                            println!(
-                                "     {} real {:.3} rendered {:.3} jnd {:.3} ratio {:.3?} overlap {:.4?}",
-                                d.direction,
-                                d.real,
-                                d.rendered,
-                                d.jnd,
-                                d.ratio.map(|r| r.ci95),
-                                d.overlap.map(|o| o.ci95)
-                            );
-                        }
-                    } else {
-                        println!("     no texture: {:?}", c.notes);
-                    }
-                }
-                Err(_) => println!("{preset:12} {renderer:16} {passivity:3} FAILED"),
-            }
+fn presets_are_felt_as_asked() {
+    for (hand, names) in [(QUICK, ["washboard", "volume-knob", "ratchet", "selector"].as_slice()), (SLOW, &["corduroy", "wood-grain", "linen"])] {
+    let bare = Measured::new(&felt(&preset("baseline"), hand, 77)).expect("the device alone");
+    for name in names {
+        for seed in [1, 2] {
+            judged(&preset(name), &felt(&preset(name), hand, seed), Some(&bare));
+        }
+    }
+    }
+}
+
+#[test]
+fn twice_the_texture_is_different() {
+    for (name, hand) in [("washboard", QUICK), ("volume-knob", QUICK), ("corduroy", SLOW), ("wood-grain", SLOW)] {
+        let model = preset(name);
+        let mut twice = model.clone();
+        for effect in &mut twice.effects {
+            effect.gains.iter_mut().for_each(|gain| *gain *= 2.0);
+        }
+        judged(&model, &felt(&twice, hand, 3), None);
+    }
+}
+
+#[test]
+fn the_admittance_renderer_is_judged() {
+    for (name, hand) in [("corduroy", SLOW), ("wood-grain", SLOW), ("volume-knob", QUICK), ("brass-1", QUICK), ("rubber-1", QUICK)] {
+        let mut model = preset(name);
+        model.mass = 1.0;
+        model.coupling.renderer = Some("admittance".into());
+        (model.coupling.k_vc, model.coupling.b_vc) = (Some(30_000.0), Some(200.0));
+        for seed in [1, 2] {
+            judged(&model, &felt(&model, hand, seed), None);
         }
     }
 }
 
 #[test]
-fn masses() {
-    for preset in ["washboard", "corduroy", "wood-grain"] {
-        for (mass, k, b) in [(0.5, 8000.0, 60.0), (0.5, 16000.0, 120.0), (1.0, 8000.0, 60.0), (1.0, 8000.0, 120.0), (1.0, 16000.0, 120.0), (1.0, 30000.0, 200.0)] {
-            let r = std::panic::catch_unwind(|| {
-                let mut model = library::read(Path::new(preset)).expect("it");
-                model.coupling.renderer = Some("admittance".into());
-                model.mass = mass;
-                (model.coupling.k_vc, model.coupling.b_vc) = (Some(k), Some(b));
-                let dir = tempfile::tempdir().expect("a folder");
-                let rec = feel(&model, &dir.path().join("felt.csv"), 1, &Unwatched)
-                    .unwrap_or_else(|e| panic!("{preset} {mass}: {e}"));
-                let real = asked(&model, &rec).unwrap_or_else(|e| panic!("{preset}: {e}"));
-                let measured = |recording: &Recording| {
-                    Measured::new(recording).unwrap_or_else(|e| panic!("{preset} {mass}: {e}"))
-                };
-                compare(&measured(&real), &measured(&rec), None, MARGIN)
-                    .unwrap_or_else(|e| panic!("{preset}: {e}"))
-            });
-            match r {
-                Ok(c) => {
-                    println!(
-                        "OUT {preset:12} {mass} {k} {b} friction {:.3?} {:?} D {:.2} mass {:?}",
-                        c.ratio.ci95, c.verdict, c.distance.value, c.mass
-                    );
-                    if let Some(t) = &c.texture {
-                        println!(
-                            "OUT     texture {:.2} JND {:.2?} {:?} periods {:?} kind {:?}",
-                            t.distance.value, t.distance.ci95, t.verdict, t.period, t.kind
-                        );
-                        for d in &t.directions {
-                            println!(
-                                "OUT     {} real {:.3} rendered {:.3} jnd {:.3} ratio {:.3?} overlap {:.4?}",
-                                d.direction,
-                                d.real,
-                                d.rendered,
-                                d.jnd,
-                                d.ratio.map(|r| r.ci95),
-                                d.overlap.map(|o| o.ci95)
-                            );
-                        }
-                    }
-                }
-                Err(e) => println!("OUT {preset:12} {mass} {k} {b} FAILED {:?}", e.downcast_ref::<String>()),
-            }
+fn passivity_control_is_judged() {
+    for (name, hand) in [("washboard", QUICK), ("volume-knob", QUICK), ("wood-grain", SLOW), ("brass-1", QUICK)] {
+        let model = preset(name);
+        for on in ["off", "on"] {
+            let mut passive = model.clone();
+            passive.coupling.passivity = Some(on.into());
+            judged(&model, &felt(&passive, hand, 4), None);
         }
     }
 }
