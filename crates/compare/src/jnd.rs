@@ -22,7 +22,7 @@ impl Jnd {
     /// Of the direction of a force felt by a hand alone, rad: 25.6° [barbagli-2006].
     pub const DIRECTION: f64 = 25.6 * std::f64::consts::PI / 180.0;
 
-    /// Share of a force that is noticed: 7 % from 2.5 N to 10 N [pang-1991], 5 % to 12 % over muscles and methods
+    /// Share of a force that is noticed: 7 % from 2.5 N to 10 N [pang-1991], 7 % to 10 % over muscles and methods
     /// [jones-2000].
     const FORCE: f64 = 0.1;
     /// Below this force, N, the share grows [jones-2000]; the JND stays what it is there.

@@ -15,8 +15,8 @@
 //!
 //! **Beyond noise.** The fit is repeated without each tenth of the recording. A texture shows if the n = 10 pseudo-values
 //! c_k of its strongest line agree: R = |Σ c_k|²/(n·Σ|c_k|²). Noise exceeds R with probability (1 − R)^(n − 1); at
-//! [`COHERENT`] that is 10⁻⁶, which a thousand frequencies leave at 10⁻³. It must also have half a just noticeable
-//! difference.
+//! [`COHERENT`] that is 10⁻⁶, which a thousand frequencies leave at 10⁻³. Its amplitude must also be
+//! just noticeable: what a law leaves that is no parabola is less.
 
 use crate::Jnd;
 use crate::fit::BLOCKS;
@@ -43,7 +43,7 @@ const CANDIDATES: usize = 5;
 /// that skips every other valley has a weaker one.
 const SUBHARMONIC: f64 = 0.1;
 /// Least amplitude, JND.
-const NOTICED: f64 = 0.5;
+const NOTICED: f64 = 1.0;
 /// Time that is excluded after a reversal, s: a coupling rings.
 const RINGING: f64 = 0.05;
 /// Rows to which excluded samples contribute more than this through the filter are excluded too.
