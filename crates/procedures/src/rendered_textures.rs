@@ -102,6 +102,15 @@ fn presets_are_felt_as_asked() {
 }
 
 #[test]
+fn presets_without_texture_show_none() {
+    for name in ["ice", "teflon-2", "rubber-1", "high-stiction", "viscous-damping", "simulated-friction"] {
+        let model = preset(name);
+        let c = judged(&model, &felt(&model, QUICK, 5), None);
+        assert!(c.texture.is_none(), "{name}: {:?}", c.texture);
+    }
+}
+
+#[test]
 fn twice_the_texture_is_different() {
     for (name, hand) in [("washboard", QUICK), ("corduroy", SLOW), ("wood-grain", SLOW)] {
         let model = preset(name);

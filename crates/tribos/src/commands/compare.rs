@@ -89,7 +89,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
     }
     let paths: Vec<&PathBuf> = [real, rendered].into_iter().chain(&args.bare).collect();
     let asking = [real, rendered].map(|path| model_on_a_line(path));
-    if let [Some(_), None] | [None, Some(_)] | [Some(_), Some(_)] = asking {
+    if asking.iter().any(Option::is_some) {
         let [real, rendered] = asking.map(Option::transpose);
         let recordings = beside_a_model(args, &paths, [real?, rendered?])?;
         return on_a_line(args, &recordings);
