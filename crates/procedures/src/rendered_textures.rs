@@ -103,7 +103,7 @@ fn presets_are_felt_as_asked() {
 
 #[test]
 fn presets_without_texture_show_none() {
-    for name in ["ice", "teflon-2", "rubber-1", "high-stiction", "viscous-damping", "simulated-friction"] {
+    for name in ["ice", "teflon-2", "rubber-1", "viscous-damping", "brass-2", "rubber-2"] {
         let model = preset(name);
         let c = judged(&model, &felt(&model, QUICK, 5), None);
         assert!(c.texture.is_none(), "{name}: {:?}", c.texture);
