@@ -38,7 +38,7 @@ mod prediction_errors;
 pub mod recordings;
 #[cfg(feature = "device")]
 pub mod rendered;
-#[cfg(test)]
+#[cfg(all(test, feature = "device"))]
 mod rendered_textures;
 #[cfg(feature = "device")]
 pub mod simulated;
