@@ -1,6 +1,7 @@
 //! From two friction curves to a distance in just noticeable differences.
 
 use crate::fit::{BLOCKS, Bins, Levels, Measured};
+use crate::texture_distance::{TextureComparison, all_of, compare_textures};
 use crate::{Error, Jnd};
 use identify::Identification;
 use nalgebra::{DMatrix, DVector};
@@ -86,6 +87,9 @@ pub struct Comparison {
     pub margin: f64,
     /// What the ratio says.
     pub verdict: Verdict,
+    /// Force that repeats over position, if it shows in one of the recordings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture: Option<TextureComparison>,
     /// Bin by bin.
     pub points: Vec<Point>,
     /// By direction.
@@ -99,6 +103,14 @@ pub struct Comparison {
     /// What is drawn.
     #[serde(skip)]
     pub curves: Curves,
+}
+
+impl Comparison {
+    /// What friction over speed and texture say together.
+    #[must_use]
+    pub fn overall(&self) -> Verdict {
+        self.texture.as_ref().map_or(self.verdict, |texture| all_of(&[self.verdict, texture.verdict]))
+    }
 }
 
 /// What is drawn.
@@ -183,6 +195,19 @@ pub fn compare(
     } else {
         Verdict::Undecided
     };
+    let mut notes = notes(&all, bare.is_some());
+    let texture = match compare_textures(real, rendered, margin) {
+        Some(Ok(texture)) => Some(texture),
+        Some(Err(why)) => {
+            notes.push(why);
+            None
+        }
+        None => None,
+    };
+    if let Some(texture) = bare.and_then(|bare| bare.texture.as_ref()) {
+        let period = 1e3 * texture.whole.period;
+        notes.push(format!("the device alone has a texture of {period:.3} mm, which is not taken off"));
+    }
     Ok(Comparison {
         schema: "tribos.comparison/1",
         real: real.name.clone(),
@@ -194,6 +219,7 @@ pub fn compare(
         ratio,
         margin,
         verdict,
+        texture,
         points,
         breakaway,
         mass: {
@@ -205,7 +231,7 @@ pub fn compare(
             .iter()
             .flat_map(|m| m.faults.iter().map(|fault| (m.name.clone(), fault.why.clone())))
             .collect(),
-        notes: notes(&all, bare.is_some()),
+        notes,
         curves: Curves { bins, real: of_real, rendered: of_rendered, bare: of_bare },
     })
 }

@@ -1,6 +1,7 @@
 //! A recording as rows of steady sliding, and its friction in bins of speed.
 
 use crate::error::{Error, FEWEST};
+use crate::texture::{self, Texture};
 use identify::{Identification, KarnoppOptions, Preprocess, identify_karnopp, prepare};
 use nalgebra::{DMatrix, DVector};
 use signals::{Geometry, Recording, RecordingFault};
@@ -44,6 +45,9 @@ pub struct Measured {
     pub faults: Vec<RecordingFault>,
     /// The load cell was read from the side of the hand: its sign was turned.
     pub turned: bool,
+    /// What repeats over position, if that shows.
+    pub(crate) texture: Option<Texture>,
+    pub(crate) rows_of_texture: Option<texture::Rows>,
     rows: Vec<Row>,
     band: f64,
     fastest: f64,
@@ -79,10 +83,21 @@ impl Measured {
             .position
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-        let ringing = (RINGING / signals.dt).ceil() as usize;
-        let unsteady = unsteady(&signals.position, velocity, band, SETTLING * (high - low), ringing);
+        let rows_of_texture = texture::Rows::new(signals.clone(), band);
+        let texture = rows_of_texture.as_ref().and_then(texture::Rows::texture);
+        let repeated = texture.as_ref().zip(rows_of_texture.as_ref()).map(|(t, rows)| rows.force_of(t));
+        let unsteady = match &repeated {
+            // a body in detents halts in every valley: what it does there is in the texture
+            Some(_) => texture::idle(velocity, band, signals.dt),
+            None => {
+                let ringing = (RINGING / signals.dt).ceil() as usize;
+                unsteady(&signals.position, velocity, band, SETTLING * (high - low), ringing)
+            }
+        };
         let columns = [&signals.time, velocity, &signals.acceleration, &signals.force, &unsteady];
-        let [time, velocity, acceleration, force, unsteady] = columns.map(|c| signals.condition(c));
+        let [time, velocity, acceleration, mut force, unsteady] = columns.map(|c| signals.condition(c));
+        // friction is what is left
+        force.iter_mut().zip(repeated.iter().flatten()).for_each(|(f, texture)| *f -= texture);
         let count = time.len();
         let rows: Vec<Row> = (0..count)
             .filter(|&i| unsteady[i].abs() <= LEAK && velocity[i].abs() > band)
@@ -102,7 +117,7 @@ impl Measured {
         }
         let name = recording.name.clone();
         let faults = identified.recording_faults.clone();
-        Ok(Self { name, identified, faults, turned, rows, band, fastest })
+        Ok(Self { name, identified, faults, turned, texture, rows_of_texture, rows, band, fastest })
     }
 
     /// Rows of steady sliding.

@@ -1,6 +1,7 @@
-//! Just noticeable differences of friction.
+//! Just noticeable differences of friction and of texture.
 
-/// Just noticeable differences of [thesis, ch. 5], as shares of the level they were found at.
+/// Just noticeable differences: of friction as in [thesis, ch. 5], shares of the level they were found at; of texture as
+/// published elsewhere.
 pub struct Jnd;
 
 impl Jnd {
@@ -20,6 +21,21 @@ impl Jnd {
 
     /// Of the direction of a force felt by a hand alone, rad: 25.6° [barbagli-2006].
     pub const DIRECTION: f64 = 25.6 * std::f64::consts::PI / 180.0;
+
+    /// Share of a force that is noticed: 7 % from 2.5 N to 10 N [pang-1991], 7 % to 10 % over muscles and methods
+    /// [jones-2000].
+    const FORCE: f64 = 0.1;
+    /// Below this force, N, the share grows [jones-2000]; the JND stays what it is there.
+    const SMALLEST_FORCE: f64 = 0.5;
+
+    /// Of the spatial period of a grating, as a share: 5 % at periods of about 1 mm, felt in active touch [morley-1983].
+    pub const PERIOD: f64 = 0.05;
+
+    /// Of a force of `force` N that varies over position.
+    #[must_use]
+    pub fn force(force: f64) -> f64 {
+        Self::FORCE * force.abs().max(Self::SMALLEST_FORCE)
+    }
 
     fn at(level: f64, at_reference: f64) -> f64 {
         at_reference / Self::REFERENCE * level.abs().max(Self::SMALLEST)

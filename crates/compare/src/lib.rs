@@ -24,6 +24,10 @@
 //! its 95 % interval lies wholly beyond the margin (5 %) on one side of 1; *the same*: wholly within; else undecided.
 //! A hand may feel no difference where this does: a tenth of the friction is a quarter to a half of a JND.
 //!
+//! **Over position** (detents, a ratchet, bumps, grain) force repeats with a period. Where that shows beyond noise in a recording,
+//! amplitude by direction, period and shape are compared, each in its own JND, with a distance and a verdict beside
+//! those of friction (texture.rs, texture_distance.rs).
+//!
 //! **In the plane** ([`compare_planar`]) friction has a size and a direction at each direction of motion. Sizes differ in the JND
 //! above, directions in that of the direction of a force, 25.6° [barbagli-2006]:
 //!
@@ -33,17 +37,22 @@
 
 #![forbid(unsafe_code)]
 
+mod asked;
 mod distance;
 mod error;
 mod fit;
 mod jnd;
 mod plane;
+mod texture;
+mod texture_distance;
 
+pub use asked::asked;
 pub use distance::{Breakaway, Comparison, Curves, Interval, Point, Verdict, compare};
 pub use error::Error;
 pub use fit::{Bins, Levels, Measured, Row};
 pub use jnd::Jnd;
 pub use plane::{PlanarComparison, PlanarMeasured, PlanarPoint, compare_planar};
+pub use texture_distance::{Kind, TextureComparison, TextureDirection};
 
 /// Largest relative difference of friction that counts as the same.
 pub const MARGIN: f64 = 0.05;

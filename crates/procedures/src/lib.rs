@@ -38,6 +38,8 @@ mod prediction_errors;
 pub mod recordings;
 #[cfg(feature = "device")]
 pub mod rendered;
+#[cfg(all(test, feature = "device"))]
+mod rendered_textures;
 #[cfg(feature = "device")]
 pub mod simulated;
 #[cfg(feature = "device")]

@@ -102,10 +102,21 @@ fn scaled(model: &Model, times: f64) -> Model {
     model
 }
 
-/// A hand moves the handle to and fro while the device renders the model; recorded over its line.
 fn feel(model: &Model, path: &Path, seed: u64, watch: &dyn Watch) -> Result<Recording> {
+    feel_with(BY_HAND, model, path, seed, watch)
+}
+
+/// A hand moves the handle to and fro, with an amplitude, m, and a frequency, Hz, while the device renders the model;
+/// recorded over its line.
+pub(crate) fn feel_with(
+    hand: (f64, f64),
+    model: &Model,
+    path: &Path,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<Recording> {
     let mut device = Virtual::new(seed)?;
-    device.device().hold(Holder::to_and_fro(BY_HAND.0, BY_HAND.1));
+    device.device().hold(Holder::to_and_fro(hand.0, hand.1));
     let mut session = Session::over("sim", Box::new(device));
     let settled = session.set_all(&model.preset_lines())?;
     if let Some(first) = settled.refused.first() {
@@ -159,6 +170,7 @@ mod tests {
                 c.ratio.ci95[1],
                 c.verdict
             );
+            assert!(c.texture.is_none(), "{}: {:?}", r.material, c.texture);
             if r.times == 1.0 {
                 assert!(c.distance.ci95[1] < 0.5, "{}: {:?}", r.material, c.distance);
                 assert_eq!(c.verdict, Verdict::Same, "{}: {:?}", r.material, c.ratio);

@@ -6,15 +6,16 @@ use crate::options::{self, Mapping};
 use crate::terminal::Terminal;
 use crate::{files, reading};
 use compare::{
-    Comparison, MARGIN, Measured, PlanarComparison, PlanarMeasured, PlanarPoint, Verdict, compare,
-    compare_planar,
+    Comparison, Kind, MARGIN, Measured, PlanarComparison, PlanarMeasured, PlanarPoint, TextureComparison,
+    Verdict, asked, compare, compare_planar,
 };
+use identify::Model;
 use identify::planar::PlanarModel;
 use procedures::planar::Recordings;
-use procedures::rendered;
+use procedures::{library, rendered};
 use report::number::number;
 use report::{Table, overlay, planar_overlay};
-use signals::PlanarRecording;
+use signals::{PlanarRecording, Recording};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -23,13 +24,14 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   tribos compare real.csv rendered.csv --bare bare.csv --out overlay.svg
   tribos compare real.csv rendered.csv --expect same
+  tribos compare washboard rendered.csv --bare bare.csv
   tribos compare --demo")]
 pub struct Args {
     /// The real block, moved by the device or by a hand: any file that identify reads; signals named with their units, or by --map.
-    /// In the plane also a model
+    /// Also a model, or a preset by its name: the force it asks for along the motion of the other
     #[arg(value_name = "REAL", required_unless_present = "demo")]
     real: Option<PathBuf>,
-    /// The rendered block, moved by a hand. In the plane also a model
+    /// The rendered block, moved by a hand. Also a model or a preset
     #[arg(value_name = "RENDERED", required_unless_present = "demo")]
     rendered: Option<PathBuf>,
     /// The device alone (preset `baseline`), moved as for RENDERED: its own resistance is subtracted
@@ -38,7 +40,7 @@ pub struct Args {
     /// Largest relative difference of friction that counts as the same
     #[arg(long, value_name = "SHARE", default_value_t = MARGIN, value_parser = options::above_zero, allow_hyphen_values = true)]
     margin: f64,
-    /// Exit with 1 unless this is the verdict
+    /// Exit with 1 unless this is the verdict, of friction and of texture together
     #[arg(long, value_name = "VERDICT")]
     expect: Option<Expected>,
     /// Draw both: friction over velocity and time, difference in JND
@@ -86,6 +88,12 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         files::check_writable(path)?;
     }
     let paths: Vec<&PathBuf> = [real, rendered].into_iter().chain(&args.bare).collect();
+    let asking = [real, rendered].map(|path| model_on_a_line(path));
+    if asking.iter().any(Option::is_some) {
+        let [real, rendered] = asking.map(Option::transpose);
+        let recordings = beside_a_model(args, &paths, [real?, rendered?])?;
+        return on_a_line(args, &recordings);
+    }
     let planar =
         |path: &&&PathBuf| std::fs::read_to_string(path).is_ok_and(|text| PlanarModel::is_planar(&text));
     let models: Vec<&&PathBuf> = paths.iter().filter(planar).collect();
@@ -104,6 +112,53 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
             (Recordings::Line(recordings), None) => recordings,
         },
     };
+    on_a_line(args, &recordings)
+}
+
+/// A model on a line: a preset by its name, or a file with one.
+fn model_on_a_line(path: &Path) -> Option<Result<Model>> {
+    let named = !path.exists() && path.to_str().and_then(library::find).is_some();
+    let is_file = path.extension().is_some_and(|e| e == "toml")
+        && std::fs::read_to_string(path).is_ok_and(|text| !PlanarModel::is_planar(&text));
+    (named || is_file).then(|| Ok(library::read(path)?))
+}
+
+/// Recordings of `paths` in their order; in the place of a model, what it asks for along the motion of the other.
+fn beside_a_model(args: &Args, paths: &[&PathBuf], models: [Option<Model>; 2]) -> Result<Vec<Recording>> {
+    let (model, at) = match models {
+        [Some(model), None] => (model, 0),
+        [None, Some(model)] => (model, 1),
+        _ => {
+            let (one, other) = (paths[0].display(), paths[1].display());
+            return Err(Failure::new(format!(
+                "{one} and {other}: two models have no motion to be compared at"
+            ))
+            .help("a recording and a model are accepted, and two recordings"));
+        }
+    };
+    let files: Vec<&&PathBuf> =
+        paths.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, path)| path).collect();
+    let planar = |text: String| PlanarModel::is_planar(&text);
+    let in_the_plane = |file: &Path| {
+        Failure::new(format!(
+            "{}: is in the plane, and {} is a model on a line",
+            file.display(),
+            paths[at].display()
+        ))
+        .help("accepted beside it are recordings on a line")
+    };
+    if let Some(file) = files.iter().find(|file| std::fs::read_to_string(file).is_ok_and(planar)) {
+        return Err(in_the_plane(file));
+    }
+    let Recordings::Line(mut recordings) = reading::read_any(&files, &args.mapping)? else {
+        return Err(in_the_plane(files[0]));
+    };
+    let asked = asked(&model, &recordings[0])?;
+    recordings.insert(at, asked);
+    Ok(recordings)
+}
+
+fn on_a_line(args: &Args, recordings: &[Recording]) -> Result<Outcome> {
     let measured: Vec<Measured> =
         recordings.iter().map(Measured::new).collect::<std::result::Result<_, _>>()?;
     let (real, rendered, bare) = (&measured[0], &measured[1], measured.get(2));
@@ -118,7 +173,7 @@ pub(crate) fn run(args: &Args) -> Result<Outcome> {
         print!("{}", text(&comparison));
         written(args);
     }
-    Ok(outcome(args, comparison.verdict))
+    Ok(outcome(args, comparison.overall()))
 }
 
 fn outcome(args: &Args, verdict: Verdict) -> Outcome {
@@ -285,6 +340,57 @@ fn text(c: &Comparison) -> String {
         "  friction {:.3} times the real ({low:.3} to {high:.3}): {}",
         c.ratio.value,
         said(c.verdict, c.margin)
+    );
+    if let Some(texture) = &c.texture {
+        out += &texture_text(texture, c.margin);
+    }
+    out
+}
+
+/// Force over position, a line each for directions, period, kind and distance.
+fn texture_text(t: &TextureComparison, margin: f64) -> String {
+    let mut out = String::new();
+    for d in &t.directions {
+        let _ = write!(
+            out,
+            "  texture {}: {:.3} N real, {:.3} ± {:.3} N rendered, {:+.2} JND",
+            d.direction,
+            d.real,
+            d.rendered,
+            1.96 * d.std,
+            (d.rendered - d.real) / d.jnd
+        );
+        if let Some(ratio) = d.ratio {
+            let [low, high] = ratio.ci95;
+            let _ = write!(out, ", {:.3} times ({low:.3} to {high:.3})", ratio.value);
+        }
+        if let Some(overlap) = d.overlap {
+            let [low, high] = overlap.ci95;
+            let _ = write!(out, ", shape {:.3} ({low:.3} to {high:.3})", overlap.value);
+        }
+        out.push('\n');
+    }
+    let kind = |kind: Option<Kind>| match kind {
+        Some(Kind::Force) => ", a force",
+        Some(Kind::Friction) => ", a friction",
+        None => "",
+    };
+    let one = |k: usize| match t.period[k] {
+        Some(period) => format!("{:.3} mm{}", 1e3 * period, kind(t.kind[k])),
+        None => "none".into(),
+    };
+    let _ = write!(out, "  texture period: real {}; rendered {}", one(0), one(1));
+    if let Some(ratio) = t.period_ratio {
+        let [low, high] = ratio.ci95;
+        let _ = write!(out, "; {:.4} times ({low:.4} to {high:.4})", ratio.value);
+    }
+    let [low, high] = t.distance.ci95;
+    let _ = writeln!(
+        out,
+        "\n  texture distance {:.2} JND ({low:.2} to {high:.2}): {}; {}",
+        t.distance.value,
+        felt(t.distance.ci95),
+        said(t.verdict, margin)
     );
     out
 }
