@@ -3,7 +3,7 @@
 mod plant;
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose};
-use plant::{Case, Motion, record};
+use plant::{Case, Hidden, Motion, record};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use signals::Recording;
@@ -78,6 +78,26 @@ fn a_hum_was_taken_for_a_late_force_or_for_noise() {
         assert_eq!((names(&d), d.verdict), (vec!["unnamed"], Verdict::Mismatch));
         assert!(d.location.iter().any(|l| l.coordinate == "time"));
     }
+}
+
+/// It shakes the body, and a curve over the speed held half of what it does: *unnamed, over speed*.
+#[test]
+fn a_hum_that_moves_the_body_was_taken_for_friction_over_speed() {
+    let mut found = 0;
+    let cases: Vec<(Motion, f64)> = [Motion::Triangle, Motion::Multisine, Motion::Chirp]
+        .into_iter()
+        .flat_map(|motion| [7.3, 11.6].map(|frequency| (motion, frequency)))
+        .collect();
+    for (motion, frequency) in &cases {
+        let hum = Hidden::Hum { size: 0.2, frequency: *frequency };
+        let case = Case { hidden: [hum, Hidden::Nothing], motion: *motion, seed: 31, ..Case::default() };
+        let d = answer(&[record(&case).0]);
+        let near = said(&d).is_some_and(|f| (f / frequency - 1.0).abs() < 1e-3);
+        println!("{motion:?}, {frequency} Hz: {:?} Hz, {:?}", said(&d), names(&d));
+        found += usize::from(near && names(&d) == ["unnamed"]);
+    }
+    println!("{found} of {}", cases.len());
+    assert_eq!(found, cases.len());
 }
 
 #[test]

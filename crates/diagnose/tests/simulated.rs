@@ -4,7 +4,7 @@
 mod plant;
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose};
-use plant::{Case, Hidden, record};
+use plant::{Case, Hidden, Motion, record};
 use serde_json::Value;
 use signals::{FaultKind, Geometry, Map, ReadOptions, Recording};
 use std::collections::BTreeSet;
@@ -153,4 +153,39 @@ fn a_motor_ripple_was_reported_in_metres() {
     let missing = json["missing"].as_array().expect("a list");
     let wavelength = missing.iter().find_map(|m| m["parameters"].get("wavelength")).expect("a wavelength");
     assert_eq!(wavelength["unit"], "rad");
+}
+
+/// `actuator_lag`, `time_skew` or `compliance` stood beside each effect: the acceleration was late, not the force.
+#[test]
+fn an_accelerometer_behind_its_own_low_pass_was_a_force_that_comes_early() {
+    let cases = [
+        Hidden::Nothing,
+        Hidden::Cubic { size: 0.4 },
+        Hidden::PositionFriction { size: 0.3 },
+        Hidden::Drift { size: 0.3, settle: 6.0 },
+    ];
+    for hidden in cases {
+        let case = Case {
+            hidden: [hidden, Hidden::Nothing],
+            motion: Motion::Chirp,
+            accelerometer: Some(0.05),
+            // behind by one and a half samples
+            accelerometer_lag: -1e-3 / 0.6f64.ln(),
+            noise_force: 0.03,
+            seed: 12,
+            ..Case::default()
+        };
+        let d = diagnose(&[record(&case).0], &[], &Options::default(), &|_, _| ()).expect("accepted");
+        let named: Vec<&str> = d.missing.iter().map(|m| m.effect.as_str()).collect();
+        let expected: &[&str] = match hidden {
+            Hidden::PositionFriction { .. } => &["position_dependent_friction"],
+            Hidden::Cubic { .. } => &["nonlinear_spring"],
+            Hidden::Drift { .. } => &["friction_drift"],
+            _ => &[],
+        };
+        let lag = d.preparation[0].channels["acceleration"].lag_s.expect("compared");
+        println!("{hidden:?}: {named:?}, acceleration {:.3} ms late", 1e3 * lag.value);
+        assert_eq!(named, expected, "{hidden:?}");
+        assert!((lag.value - 1.5e-3).abs() < 5e-5, "{lag:?}");
+    }
 }

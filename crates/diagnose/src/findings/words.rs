@@ -44,6 +44,10 @@ impl ForceError {
     }
 }
 
+/// Held-out error over the noise floor up to which the model explains a recording down to its noise. The floor is known to
+/// some tens of percent.
+const DOWN_TO: f64 = 1.5;
+
 /// Part of the recording of which the verdict speaks, where that is not nearly all of it.
 fn judged(d: &Diagnosis) -> String {
     let share = 100.0 * d.judged_share;
@@ -59,6 +63,14 @@ pub fn summary(d: &Diagnosis) -> String {
     let unit = &d.noise_floor.unit;
     match d.verdict {
         Verdict::NotTestable => "This recording cannot answer.".into(),
+        Verdict::NoMismatch if d.baseline.rms_heldout > DOWN_TO * d.noise_floor.rms => format!(
+            "No law and no curve over the motion explains what the model leaves{}, {} {unit} where the noise is {} {unit}: too \
+             little to be located, and more than nothing. An effect of more than about {} {unit} would have been seen.",
+            judged(d),
+            short(d.baseline.rms_heldout),
+            short(d.noise_floor.rms),
+            short(d.detectable),
+        ),
         Verdict::NoMismatch => format!(
             "The model explains this recording down to its noise ({:.3} {unit}){}; an effect of more than about {} {unit} \
              would have been seen.",
@@ -115,4 +127,20 @@ pub(crate) fn short(x: f64) -> String {
     }
     let digits = (2 - x.abs().log10().floor() as i32).clamp(0, 12) as usize;
     format!("{x:.digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Friction that rises at rest and is gone within a millimetre: 0.036 N were left, and called the noise, of 0.018 N.
+    #[test]
+    fn an_error_of_twice_the_noise_was_called_the_noise() {
+        let mut d = crate::pipeline::unanswered(Vec::new(), Vec::new(), 0.018, "N".into(), "of no motion");
+        (d.verdict, d.judged_share, d.detectable) = (Verdict::NoMismatch, 1.0, 0.054);
+        d.baseline.rms_heldout = 0.036;
+        assert!(summary(&d).contains("0.0360 N where the noise is 0.0180 N"), "{}", summary(&d));
+        d.baseline.rms_heldout = 0.020;
+        assert!(summary(&d).contains("down to its noise (0.020 N)"), "{}", summary(&d));
+    }
 }

@@ -32,7 +32,8 @@ const AROUND: f64 = 1.5;
 /// makes many lines near each other.
 const OVER_HIGHEST: f64 = 9.0;
 const OVER_MEDIAN: f64 = 40.0;
-/// Largest share of its gain that a curve over the motion may explain: more, and it repeats because the motion does.
+/// Largest share of its gain that a curve over the motion may explain that explains more than the hum itself: then it
+/// repeats because the motion does.
 const BY_MOTION: f64 = 0.4;
 /// Largest share of the motion that may be at its frequency: a hum shakes the body far less.
 const DRIVEN: f64 = 0.1;
@@ -281,27 +282,36 @@ fn stands_out(rest: &Rest, before: &Fit, after: &Fit, frequency: f64) -> bool {
 fn moved(rest: &Rest, library: &Library, extra: &[ExtraColumn], columns: &[Vec<f64>]) -> bool {
     let design = rest.design;
     let ranges: Vec<Range<usize>> = rest.recordings.iter().map(|r| rest.rows(*r)).collect();
-    // squared error that the hum takes away beside a form
-    let beside = |form: &[Vec<f64>]| -> f64 {
+    // squared error that a form takes away, and that the hum takes away beside it
+    let taken = |form: &[Vec<f64>]| -> (f64, f64) {
         let of = |rows: &Range<usize>| {
-            let known: Vec<&[f64]> = design.baseline.iter().chain(form).map(|c| &c[rows.clone()]).collect();
+            let known: Vec<&[f64]> = design.baseline.iter().map(|c| &c[rows.clone()]).collect();
             let mut basis = Basis::of(&known);
-            let before = basis.project_out(&design.y[rows.clone()]);
-            columns.iter().for_each(|c| {
-                basis.push(&c[rows.clone()]);
-            });
-            let after = basis.project_out(&before);
-            dot(&before, &before) - dot(&after, &after)
+            let mut left = |more: &[Vec<f64>]| {
+                more.iter().for_each(|c| {
+                    basis.push(&c[rows.clone()]);
+                });
+                let rest = basis.project_out(&design.y[rows.clone()]);
+                dot(&rest, &rest)
+            };
+            let [plain, formed, both] = [left(&[]), left(form), left(columns)];
+            (plain - formed, formed - both)
         };
-        ranges.iter().map(of).sum()
+        ranges.iter().map(of).fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
     };
-    let least = (1.0 - BY_MOTION) * beside(&[]);
+    let alone = taken(&[]).1;
+    let least = (1.0 - BY_MOTION) * alone;
+    // a hum shakes the body, so a curve over its speed holds a part of it, but no more than the hum does
+    let explains = |form: &[Vec<f64>]| {
+        let (gain, beside) = taken(form);
+        beside < least && gain > alone
+    };
     driven(rest, &ranges, columns)
         || library.of_motion().any(|candidate| {
             let (first, second) = candidate.first_knots();
-            library.get(design, candidate, first, second).is_some_and(|(_, all)| beside(&all) < least)
+            library.get(design, candidate, first, second).is_some_and(|(_, all)| explains(&all))
         })
-        || extra.iter().any(|column| column.curves(design).iter().any(|curve| beside(curve) < least))
+        || extra.iter().any(|column| column.curves(design).iter().any(|curve| taken(curve).1 < least))
 }
 
 /// Whether a wave over the position of a body that only advances holds at least as much as the hum does: at one speed the

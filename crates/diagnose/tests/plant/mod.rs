@@ -58,6 +58,11 @@ pub enum Hidden {
     Skew {
         size: f64,
     },
+    /// It acts on the body, which it shakes.
+    Hum {
+        size: f64,
+        frequency: f64,
+    },
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -81,6 +86,8 @@ pub struct Case {
     pub quantum: f64,
     /// Noise of an accelerometer, m/s²; None where there is none.
     pub accelerometer: Option<f64>,
+    /// Time constant of its low-pass, s.
+    pub accelerometer_lag: f64,
     pub seed: u64,
 }
 
@@ -99,6 +106,7 @@ impl Default for Case {
             noise_position: 1e-6,
             quantum: 2.57e-6,
             accelerometer: None,
+            accelerometer_lag: 0.0,
             seed: 1,
         }
     }
@@ -142,6 +150,7 @@ fn hidden_force(h: &Hidden, x: f64, v: f64, s: f64, t: f64, applied: f64) -> f64
         Hidden::PositionFriction { size } => s * size * x / STROKE,
         Hidden::LoadShare { size } => s * size * applied.abs() / 3.0,
         Hidden::Drift { size, settle } => s * size * (-t / settle).exp(),
+        Hidden::Hum { size, frequency } => size * (TAU * frequency * t + 0.4).sin(),
         Hidden::Stop { size } => size * ((x - 0.6 * STROKE) / (0.4 * STROKE)).max(0.0),
         _ => 0.0,
     }
@@ -246,7 +255,15 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
         // over the half tick to either side, as a converter that averages has it
         accelerations.push((v - before) / 1e-3);
     }
-    let acceleration = |i: usize| 0.5 * (accelerations[i - 1] + accelerations[i]);
+    let lag = |shown: &mut f64, [before, after]: [f64; 2]| {
+        let acts = 0.5 * (before + after);
+        let share =
+            if case.accelerometer_lag > 0.0 { -(-1e-3 / case.accelerometer_lag).exp_m1() } else { 1.0 };
+        *shown += share * (acts - *shown);
+        Some(*shown)
+    };
+    let pairs = accelerations.windows(2).map(|w| [w[0], w[1]]);
+    let shown: Vec<f64> = std::iter::once(0.0).chain(pairs.scan(0.0, lag)).collect();
     let force_noise = Normal::new(0.0, case.noise_force.max(1e-300)).unwrap();
     let position_noise = Normal::new(0.0, case.noise_position.max(1e-300)).unwrap();
     let mut recording = Recording { name: format!("plant {}", case.seed), ..Recording::default() };
@@ -268,7 +285,7 @@ pub fn record(case: &Case) -> (Recording, Vec<f64>) {
     let mut random = ChaCha8Rng::seed_from_u64(case.seed ^ 0xacce);
     recording.acceleration = case.accelerometer.map(|noise| {
         let noise = Normal::new(0.0, noise.max(1e-300)).unwrap();
-        (first..times.len() - 10).map(|i| acceleration(i) + noise.sample(&mut random)).collect()
+        (first..times.len() - 10).map(|i| shown[i] + noise.sample(&mut random)).collect()
     });
     let truth = truth[first..times.len() - 10].to_vec();
     (recording, truth)

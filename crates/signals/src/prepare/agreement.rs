@@ -1,8 +1,8 @@
-//! Do the motion channels belong to one motion? A velocity channel that is behind the position, and an accelerometer with
+//! Do the motion channels belong to one motion? A velocity or an acceleration channel that is behind the position, and one with
 //! another scale or zero, show when channels are compared. That needs no force.
 //!
-//! The velocity column is fitted by the position's derivatives, v_column = scale·(v − lag·a) + zero, over all stretches
-//! of a recording together; the acceleration column by a_column = scale·a + zero.
+//! A column is fitted by the position's derivatives over all stretches of a recording together:
+//! v_column = scale·(v − lag·a) + zero, a_column = scale·(a − lag·da/dt) + zero.
 
 use super::channels::Channels;
 use super::cutoff::differentiated;
@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Column {
     /// Times what the position says, and its standard deviation.
     pub scale: (f64, f64),
-    /// How late, s; of the velocity only.
+    /// How late, s.
     pub lag: (f64, f64),
     /// What it shows at zero.
     pub zero: (f64, f64),
@@ -186,5 +186,21 @@ mod tests {
             assert_eq!(found.late(1e-3).is_some(), lag > 1e-4);
             assert_eq!(found.is_backward_difference(1e-3), lag == 0.5e-3);
         }
+    }
+
+    /// A first order of 1 ms, as accelerometers have in front of their converter; the force looked as late as that.
+    #[test]
+    fn an_acceleration_behind_its_own_low_pass_is_told_with_its_lag() {
+        let mut channels = channels(0.0);
+        let (w, lag) = (12.0, 1e-3);
+        let shown = |w: f64, t: f64| ((w * t).sin() - w * lag * (w * t).cos()) / (1.0 + (w * lag).powi(2));
+        let at = |i: i32| f64::from(i) * channels.dt;
+        let acceleration =
+            |i: i32| -0.01 * (w * w * shown(w, at(i)) + 0.3 * (2.6 * w).powi(2) * shown(2.6 * w, at(i)));
+        channels.acceleration = Some((0..8000).map(acceleration).collect());
+        let found = compare(&[channels]).1.unwrap();
+        println!("{found:?}");
+        assert!(found.follows() && (found.lag.0 - lag).abs() < 3e-5, "{found:?}");
+        assert!(found.late(1e-3).is_some() && !found.is_off());
     }
 }

@@ -8,6 +8,7 @@ mod agreement;
 mod channels;
 mod cutoff;
 mod encoder_wave;
+mod late;
 mod one_way;
 mod report;
 mod wave;
@@ -25,7 +26,6 @@ use crate::{
     central_difference, dot, jumps, regressed, without_outliers,
 };
 use friction::Dimension;
-use friction::effects::delayed;
 use report::Found;
 
 /// Lag of a velocity column, in samples, that is undone; a later one is left out.
@@ -96,8 +96,9 @@ impl Prepared {
 }
 
 /// Prepares a recording: [`audit`], [`without_outliers`], [`bridged`]; stretches on an even grid; a wave on the encoder
-/// taken off; a velocity column advanced by its lag, or left out where it is not the derivative of the position; an
-/// acceleration column scaled and shifted to agree with it, or left out where it does not follow it.
+/// taken off; a velocity column advanced by its lag, or its low-pass undone, whichever agrees better, or left out where it is not
+/// the derivative of the position; an acceleration column likewise, scaled and shifted to agree with it, or left out where it
+/// does not follow it.
 ///
 /// A recording of which no stretch is long enough has no channels and says so in its faults.
 ///
@@ -250,23 +251,32 @@ impl Prepared {
         self.wave = Some(wave);
     }
 
-    /// Compares velocity and acceleration columns with the position, advances a velocity that is late, corrects an
-    /// acceleration, and leaves out what does not agree. Returns the comparisons.
+    /// Compares velocity and acceleration columns with the position, mends what is late, corrects an acceleration, and leaves
+    /// out what does not agree. Returns the comparisons.
     fn bring_into_agreement(&mut self) -> (Option<Column>, Option<Column>) {
         let Some(dt) = self.channels.first().map(|c| c.dt) else { return (None, None) };
         let (velocity, acceleration) = agreement::compare(&self.channels);
         if let Some(column) = velocity {
-            self.advance(&column, dt);
+            let is_late = self.mend_late("velocity", &column, 1, dt, |s| &mut s.velocity);
+            if is_late && !column.is_backward_difference(dt) {
+                self.late_velocity = Some(column);
+            }
         }
         if !velocity.is_some_and(|c| c.is_the_derivative()) {
             self.channels.iter_mut().for_each(|s| s.velocity = None);
         }
         match acceleration.filter(Column::follows) {
-            Some(column) if column.differs() => {
-                let corrected = |a: &mut f64| *a = (*a - column.zero.0) / column.scale.0;
-                self.channels.iter_mut().flat_map(|s| s.acceleration.as_mut()).flatten().for_each(corrected);
+            Some(column) => {
+                if column.differs() {
+                    let corrected = |a: &mut f64| *a = (*a - column.zero.0) / column.scale.0;
+                    self.channels
+                        .iter_mut()
+                        .flat_map(|s| s.acceleration.as_mut())
+                        .flatten()
+                        .for_each(corrected);
+                }
+                self.mend_late("acceleration", &column, 2, dt, |s| &mut s.acceleration);
             }
-            Some(_) => {}
             None => self.channels.iter_mut().for_each(|s| s.acceleration = None),
         }
         if let Some(column) = acceleration.filter(Column::is_off) {
@@ -285,23 +295,46 @@ impl Prepared {
         (velocity, acceleration)
     }
 
-    /// Advances a velocity column that is late by up to two samples; leaves a later one out.
-    fn advance(&mut self, column: &Column, dt: f64) {
-        let Some((lag, _)) = column.late(dt) else { return };
-        let mended = lag <= MENDED * dt;
-        for s in &mut self.channels {
-            s.velocity = s.velocity.take().filter(|_| mended).map(|v| delayed(&v, -lag, dt));
-        }
-        let is_known = |f: &RecordingFault| f.kind == FaultKind::HiddenFilter && f.why.contains("velocity");
+    /// Mends a column that is late by up to two samples, leaves a later one out, and says so; whether it is late. `order` of the
+    /// derivative of the position that it shows.
+    fn mend_late(
+        &mut self,
+        name: &str,
+        column: &Column,
+        order: usize,
+        dt: f64,
+        of: fn(&mut Channels) -> &mut Option<Vec<f64>>,
+    ) -> bool {
+        let Some((lag, _)) = column.late(dt) else { return false };
+        let done = if lag > MENDED * dt {
+            self.channels.iter_mut().for_each(|s| *of(s) = None);
+            "left out"
+        } else {
+            let [advanced, restored] = [late::advanced, late::restored].map(|mend| {
+                let mended = |s: &mut Channels| of(s).as_ref().map(|column| mend(column, lag, dt));
+                self.channels.iter_mut().map(mended).collect::<Vec<_>>()
+            });
+            let away = |mended: &[Option<Vec<f64>>]| {
+                let of = |(s, column): (&Channels, &Option<Vec<f64>>)| {
+                    column.as_ref().map_or(0.0, |column| late::away(&s.position, column, order, s.dt))
+                };
+                self.channels.iter().zip(mended).map(of).sum::<f64>()
+            };
+            let (mended, done) = if away(&restored) < away(&advanced) {
+                (restored, "its low-pass is undone")
+            } else {
+                (advanced, "advanced by that")
+            };
+            self.channels.iter_mut().zip(mended).for_each(|(s, column)| *of(s) = column);
+            done
+        };
+        let is_known = |f: &RecordingFault| f.kind == FaultKind::HiddenFilter && f.why.contains(name);
         if !self.faults.iter().any(is_known) {
             let made = if column.is_backward_difference(dt) { ", a backward difference" } else { "" };
-            let done = if mended { "advanced by that" } else { "left out" };
-            let why = format!("the velocity column is {:.3} ms behind the position{made}: {done}", 1e3 * lag);
+            let why = format!("the {name} column is {:.3} ms behind the position{made}: {done}", 1e3 * lag);
             self.faults.push(RecordingFault::new(FaultKind::HiddenFilter, None, why));
         }
-        if !column.is_backward_difference(dt) {
-            self.late_velocity = Some(*column);
-        }
+        true
     }
 }
 

@@ -145,14 +145,15 @@ impl Found<'_> {
         };
         let compared = |dimension, column: &Vec<f64>, used, found: Option<Column>| ChannelReport {
             used,
+            lag_s: found.map(|c| c.lag.into()),
             scale: found.map(|c| c.scale.into()),
             zero: found.map(|c| c.zero.into()),
             ..plain(dimension, column)
         };
-        let velocity = recorded.velocity.as_ref().map(|column| ChannelReport {
-            lag_s: self.velocity.map(|c| c.lag.into()),
-            ..compared(Dimension::VELOCITY, column, used.velocity.is_some(), self.velocity)
-        });
+        let velocity = recorded
+            .velocity
+            .as_ref()
+            .map(|column| compared(Dimension::VELOCITY, column, used.velocity.is_some(), self.velocity));
         let acceleration = recorded.acceleration.as_ref().map(|column| {
             compared(Dimension::ACCELERATION, column, used.acceleration.is_some(), self.acceleration)
         });
