@@ -50,7 +50,7 @@ fn exp(x: f64) -> f64 {
 /// Natural logarithm.
 #[inline(always)]
 fn ln(x: f64) -> f64 {
-    if !(x >= f64::MIN_POSITIVE && x <= f64::MAX) {
+    if !(f64::MIN_POSITIVE..=f64::MAX).contains(&x) {
         return x.ln();
     }
     let bits = x.to_bits();

@@ -49,9 +49,8 @@ impl Catalogue {
         }
         let evaluate = |(kind, shapes): &(TermKind, Vec<[f64; MAX_SHAPE]>)| -> Vec<Atom> {
             let (clean, other) = (design.columns_at(*kind, shapes), noisy.columns_at(*kind, shapes));
-            let of_shape = |((shape, clean), other): ((&[f64; MAX_SHAPE], Vec<Vec<f64>>), Vec<Vec<f64>>)| {
-                let (clean, other): (Vec<Column>, Vec<Column>) =
-                    (clean.into_iter().map(Arc::new).collect(), other.into_iter().map(Arc::new).collect());
+            let held = |columns: Vec<Vec<f64>>| columns.into_iter().map(Arc::new).collect::<Vec<Column>>();
+            let of_shape = |shape: &[f64; MAX_SHAPE], clean: Vec<Column>, other: Vec<Column>| {
                 let variant = |(variant, groups): (usize, &&'static [&'static [usize]])| {
                     let term = Term { kind: *kind, shape: *shape, variant };
                     let mut atom = Atom::of(shared(&clean, groups), &baseline, term);
@@ -60,7 +59,8 @@ impl Catalogue {
                 };
                 kind.variants().iter().enumerate().map(variant).collect::<Vec<_>>()
             };
-            shapes.iter().zip(clean).zip(other).flat_map(of_shape).collect()
+            let columns = clean.into_iter().zip(other);
+            shapes.iter().zip(columns).flat_map(|(s, (c, o))| of_shape(s, held(c), held(o))).collect()
         };
         // In the order of the catalogue whatever the number of workers: everything random hangs on it.
         let atoms = groups.par_iter().flat_map_iter(evaluate).collect();
