@@ -5,6 +5,7 @@ use crate::failure::{Failure, Result};
 use crate::options::Mapping;
 use crate::{files, reading};
 use client::Session;
+use friction::effects::{Describe, Unnamed};
 use haptics::{Device, Settings};
 use lab::{Found, LeftOut, Moved, Progress, Renderable, Tools};
 use perception::study;
@@ -161,7 +162,7 @@ fn not_in_a_preset(model: &identify::Model) -> Vec<LeftOut> {
         },
     });
     let curves = model.curves.iter().map(|curve| LeftOut {
-        name: "unnamed".into(),
+        name: Unnamed::ABOUT.id.to_owned(),
         why: format!("a curve over {}: the device renders effects of the catalogue only", curve.over.id()),
     });
     sensors.chain(curves).collect()

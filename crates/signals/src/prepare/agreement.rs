@@ -134,11 +134,11 @@ impl Column {
         (self.scale.0 - 1.0).abs() > (5.0 * self.scale.1).max(0.03) || zero.abs() > 8.0 * std
     }
 
-    /// The lag, s, and its standard deviation, where the column is late by more than chance and a tenth of a sample.
+    /// The lag, s, where the column is late by more than chance and `least` seconds.
     #[must_use]
-    pub fn late(&self, dt: f64) -> Option<(f64, f64)> {
+    pub fn late(&self, least: f64) -> Option<f64> {
         let (lag, std) = self.lag;
-        (lag > 5.0 * std && lag > 0.1 * dt).then_some((lag, std))
+        (lag > 5.0 * std && lag > least).then_some(lag)
     }
 
     /// A backward difference of the position is late by half a sample: how a column was made, not an estimator's lag.
@@ -183,7 +183,7 @@ mod tests {
             println!("{lag}: {found:?}");
             assert!(found.is_the_derivative());
             assert!((found.lag.0 - lag).abs() < 2e-5 && (found.scale.0 - 1.0).abs() < 5e-3);
-            assert_eq!(found.late(1e-3).is_some(), lag > 1e-4);
+            assert_eq!(found.late(1e-4).is_some(), lag > 1e-4);
             assert_eq!(found.is_backward_difference(1e-3), lag == 0.5e-3);
         }
     }
@@ -201,6 +201,6 @@ mod tests {
         let found = compare(&[channels]).1.unwrap();
         println!("{found:?}");
         assert!(found.follows() && (found.lag.0 - lag).abs() < 3e-5, "{found:?}");
-        assert!(found.late(1e-3).is_some() && !found.is_off());
+        assert!(found.late(0.75e-3).is_some() && !found.is_off());
     }
 }

@@ -1,26 +1,56 @@
-//! A column that is late is a delayed one, or one behind a low-pass of first order: a motion as slow as most looks the same
-//! through both, a jerk does not.
+//! Columns that are late. A velocity is an average over the last moment, which is a delay. An accelerometer has a low-pass in
+//! front of its converter, or only a delay: a motion as slow as most looks the same through both, a jerk does not.
 
+use super::channels::Channels;
 use crate::{LowPass, central_difference};
 use friction::effects::delayed;
 
+/// Advances the velocity of stretches by `lag` seconds.
+pub(super) fn velocity(stretches: &mut [Channels], lag: f64) -> &'static str {
+    for s in stretches {
+        s.velocity = s.velocity.take().map(|v| advanced(&v, lag, s.dt));
+    }
+    "advanced by that"
+}
+
+/// Advances the acceleration by `lag` seconds or undoes a low-pass with that time constant, whichever agrees better with the
+/// position.
+pub(super) fn acceleration(stretches: &mut [Channels], lag: f64) -> &'static str {
+    let [advanced, restored] = [advanced, restored].map(|mend| {
+        let mended = |s: &Channels| s.acceleration.as_ref().map(|a| mend(a, lag, s.dt));
+        stretches.iter().map(mended).collect::<Vec<_>>()
+    });
+    let away = |mended: &[Option<Vec<f64>>]| -> f64 {
+        let of =
+            |(s, a): (&Channels, &Option<Vec<f64>>)| a.as_ref().map_or(0.0, |a| away(&s.position, a, s.dt));
+        stretches.iter().zip(mended).map(of).sum()
+    };
+    let (mended, done) = if away(&restored) < away(&advanced) {
+        (restored, "its low-pass is undone")
+    } else {
+        (advanced, "advanced by that")
+    };
+    stretches.iter_mut().zip(mended).for_each(|(s, a)| s.acceleration = a);
+    done
+}
+
 /// The column `lag` seconds earlier.
-pub(super) fn advanced(column: &[f64], lag: f64, dt: f64) -> Vec<f64> {
+fn advanced(column: &[f64], lag: f64, dt: f64) -> Vec<f64> {
     delayed(column, -lag, dt)
 }
 
 /// What a low-pass of first order with the time constant `lag` made the column of.
-pub(super) fn restored(column: &[f64], lag: f64, dt: f64) -> Vec<f64> {
+fn restored(column: &[f64], lag: f64, dt: f64) -> Vec<f64> {
     column.iter().zip(central_difference(column, dt)).map(|(x, rate)| x + lag * rate).collect()
 }
 
-/// Squared difference between a column and the derivative of the position of this order, up to a tenth of the sampling rate.
-pub(super) fn away(position: &[f64], column: &[f64], order: usize, dt: f64) -> f64 {
+/// Squared difference between an acceleration and the second derivative of the position, up to a tenth of the sampling rate.
+fn away(position: &[f64], acceleration: &[f64], dt: f64) -> f64 {
     let filter = LowPass::new(0.1 / dt, dt);
-    let derivative = (0..order).fold(filter.apply(position), |x, _| central_difference(&x, dt));
-    let settle = filter.settle().min(column.len() / 4);
-    let difference = derivative.iter().zip(filter.apply(column)).map(|(a, b)| (a - b).powi(2));
-    difference.skip(settle).take(column.len() - 2 * settle).sum()
+    let derived = central_difference(&central_difference(&filter.apply(position), dt), dt);
+    let settle = filter.settle().min(acceleration.len() / 4);
+    let difference = derived.iter().zip(filter.apply(acceleration)).map(|(a, b)| (a - b).powi(2));
+    difference.skip(settle).take(acceleration.len() - 2 * settle).sum()
 }
 
 #[cfg(test)]
@@ -49,7 +79,7 @@ mod tests {
             })
             .collect();
         for (column, low_pass) in [(delayed, false), (low_passed, true)] {
-            let [early, undone] = [advanced, restored].map(|mend| away(&x, &mend(&column, lag, dt), 2, dt));
+            let [early, undone] = [advanced, restored].map(|mend| away(&x, &mend(&column, lag, dt), dt));
             println!("low-pass {low_pass}: {early:.3e} advanced, {undone:.3e} restored");
             assert_eq!(undone < early, low_pass);
         }

@@ -28,8 +28,12 @@ use crate::{
 use friction::Dimension;
 use report::Found;
 
-/// Lag of a velocity column, in samples, that is undone; a later one is left out.
+/// Lag of a column, in samples, that is undone; a later one is left out.
 const MENDED: f64 = 2.0;
+/// Lag in samples from which on a velocity is late, and an acceleration: an average over the last sample is late by half of one,
+/// and a delay of the force of up to a sample is fitted with everything else.
+const LATE_VELOCITY: f64 = 0.1;
+const LATE_ACCELERATION: f64 = 0.75;
 
 /// Choices of a preparation; the default is right for most recordings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,9 +100,9 @@ impl Prepared {
 }
 
 /// Prepares a recording: [`audit`], [`without_outliers`], [`bridged`]; stretches on an even grid; a wave on the encoder
-/// taken off; a velocity column advanced by its lag, or its low-pass undone, whichever agrees better, or left out where it is not
-/// the derivative of the position; an acceleration column likewise, scaled and shifted to agree with it, or left out where it
-/// does not follow it.
+/// taken off; a velocity column advanced by its lag, or left out where it is not the derivative of the position; an
+/// acceleration column scaled and shifted to agree with it, advanced or its low-pass undone, or left out where it does not
+/// follow it.
 ///
 /// A recording of which no stretch is long enough has no channels and says so in its faults.
 ///
@@ -257,7 +261,8 @@ impl Prepared {
         let Some(dt) = self.channels.first().map(|c| c.dt) else { return (None, None) };
         let (velocity, acceleration) = agreement::compare(&self.channels);
         if let Some(column) = velocity {
-            let is_late = self.mend_late("velocity", &column, 1, dt, |s| &mut s.velocity);
+            let is_late =
+                self.mend_late("velocity", &column, LATE_VELOCITY, dt, late::velocity, |s| s.velocity = None);
             if is_late && !column.is_backward_difference(dt) {
                 self.late_velocity = Some(column);
             }
@@ -275,7 +280,9 @@ impl Prepared {
                         .flatten()
                         .for_each(corrected);
                 }
-                self.mend_late("acceleration", &column, 2, dt, |s| &mut s.acceleration);
+                self.mend_late("acceleration", &column, LATE_ACCELERATION, dt, late::acceleration, |s| {
+                    s.acceleration = None
+                });
             }
             None => self.channels.iter_mut().for_each(|s| s.acceleration = None),
         }
@@ -295,38 +302,23 @@ impl Prepared {
         (velocity, acceleration)
     }
 
-    /// Mends a column that is late by up to two samples, leaves a later one out, and says so; whether it is late. `order` of the
-    /// derivative of the position that it shows.
+    /// Mends a column that is late by at least `least` and at most two samples with `mend`, which says how, leaves a later one out,
+    /// and says so; whether it is late.
     fn mend_late(
         &mut self,
         name: &str,
         column: &Column,
-        order: usize,
+        least: f64,
         dt: f64,
-        of: fn(&mut Channels) -> &mut Option<Vec<f64>>,
+        mend: impl Fn(&mut [Channels], f64) -> &'static str,
+        leave_out: impl Fn(&mut Channels),
     ) -> bool {
-        let Some((lag, _)) = column.late(dt) else { return false };
+        let Some(lag) = column.late(least * dt) else { return false };
         let done = if lag > MENDED * dt {
-            self.channels.iter_mut().for_each(|s| *of(s) = None);
+            self.channels.iter_mut().for_each(leave_out);
             "left out"
         } else {
-            let [advanced, restored] = [late::advanced, late::restored].map(|mend| {
-                let mended = |s: &mut Channels| of(s).as_ref().map(|column| mend(column, lag, dt));
-                self.channels.iter_mut().map(mended).collect::<Vec<_>>()
-            });
-            let away = |mended: &[Option<Vec<f64>>]| {
-                let of = |(s, column): (&Channels, &Option<Vec<f64>>)| {
-                    column.as_ref().map_or(0.0, |column| late::away(&s.position, column, order, s.dt))
-                };
-                self.channels.iter().zip(mended).map(of).sum::<f64>()
-            };
-            let (mended, done) = if away(&restored) < away(&advanced) {
-                (restored, "its low-pass is undone")
-            } else {
-                (advanced, "advanced by that")
-            };
-            self.channels.iter_mut().zip(mended).for_each(|(s, column)| *of(s) = column);
-            done
+            mend(&mut self.channels, lag)
         };
         let is_known = |f: &RecordingFault| f.kind == FaultKind::HiddenFilter && f.why.contains(name);
         if !self.faults.iter().any(is_known) {
