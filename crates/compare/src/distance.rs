@@ -1,24 +1,13 @@
 //! From two friction curves to a distance in just noticeable differences.
 
-use crate::fit::{BLOCKS, Bins, Levels, Measured};
-use crate::texture_distance::{TextureComparison, all_of, compare_textures};
+use crate::fit::{Bins, Levels, Measured};
+use crate::interval::{Interval, Squared, T95};
+use crate::texture_distance::{TextureComparison, compare_textures};
+use crate::verdict::{Verdict, all_of};
 use crate::{Error, Jnd};
 use identify::Identification;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
-
-/// Student's t for 95 % and the parts that are left out.
-const T95: f64 = 2.262;
-const _: () = assert!(BLOCKS == 10);
-
-/// A number and its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Interval {
-    /// The number.
-    pub value: f64,
-    /// Its 95 % interval.
-    pub ci95: [f64; 2],
-}
 
 /// Friction at one speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -50,18 +39,6 @@ pub struct Breakaway {
     pub std: f64,
     /// N.
     pub jnd: f64,
-}
-
-/// What the ratio says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// The ratio's interval is within the margin
-    Same,
-    /// The ratio's interval is completely beyond the margin
-    Different,
-    /// Neither of these
-    Undecided,
 }
 
 /// The comparison.
@@ -234,31 +211,6 @@ pub fn compare(
         notes,
         curves: Curves { bins, real: of_real, rendered: of_rendered, bare: of_bare },
     })
-}
-
-/// A square with what noise adds to it taken off.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Squared {
-    pub value: f64,
-    pub variance: f64,
-}
-
-impl Squared {
-    /// d'Wd − tr(WΣ), variance 4·d'WΣWd + 2·tr((WΣ)²).
-    pub fn of(off: &DVector<f64>, weight: &DVector<f64>, noise: &DMatrix<f64>) -> Self {
-        let weighted = off.component_mul(weight);
-        let both = DMatrix::from_diagonal(weight) * noise;
-        Self {
-            value: off.dot(&weighted) - both.trace(),
-            variance: 4.0 * (weighted.transpose() * noise * &weighted)[0] + 2.0 * (&both * &both).trace(),
-        }
-    }
-
-    pub fn root(self) -> Interval {
-        let root = |square: f64| square.max(0.0).sqrt();
-        let half = T95 * root(self.variance);
-        Interval { value: root(self.value), ci95: [root(self.value - half), root(self.value + half)] }
-    }
 }
 
 fn ratio(points: &[Point], ways: &[f64], of_real: &DMatrix<f64>, of_felt: &DMatrix<f64>) -> Interval {

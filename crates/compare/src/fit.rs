@@ -1,13 +1,12 @@
 //! A recording as rows of steady sliding, and its friction in bins of speed.
 
 use crate::error::{Error, FEWEST};
+use crate::interval::{BLOCKS, jackknife};
 use crate::texture::{self, Texture};
 use identify::{Identification, KarnoppOptions, Preprocess, identify_karnopp, prepare};
 use nalgebra::{DMatrix, DVector};
 use signals::{Geometry, Recording, RecordingFault};
 
-/// Parts a recording is left out by, one at a time.
-pub(crate) const BLOCKS: usize = 10;
 /// Bins a direction.
 const BINS: usize = 5;
 /// Share of the travel that is excluded after a reversal: springs, of a contact or of a coupling, are loading.
@@ -299,17 +298,6 @@ fn mean_of([(x, of_x), (y, of_y)]: [(f64, f64); 2]) -> (f64, f64) {
     }
     let ratio = ((x - y).powi(2) / (u + v)).max(1.0);
     ((x * v + y * u) / (u + v), (ratio * u * v / (u + v)).sqrt())
-}
-
-/// Covariance of an estimate from what it is without each part.
-pub(crate) fn jackknife(left_out: &[DVector<f64>]) -> DMatrix<f64> {
-    let (n, count) = (left_out.first().map_or(0, |x| x.len()), left_out.len() as f64);
-    let mean = left_out.iter().fold(DVector::zeros(n), |sum, x| sum + x) / count;
-    let squares = left_out.iter().fold(DMatrix::zeros(n, n), |sum, x| {
-        let off = x - &mean;
-        sum + &off * off.transpose()
-    });
-    squares * ((count - 1.0) / count)
 }
 
 /// Sums of the normal equations of slopes and levels, with force and acceleration on their right.

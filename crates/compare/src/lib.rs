@@ -41,18 +41,22 @@ mod asked;
 mod distance;
 mod error;
 mod fit;
+mod interval;
 mod jnd;
 mod plane;
 mod texture;
 mod texture_distance;
+mod verdict;
 
 pub use asked::asked;
-pub use distance::{Breakaway, Comparison, Curves, Interval, Point, Verdict, compare};
+pub use distance::{Breakaway, Comparison, Curves, Point, compare};
 pub use error::Error;
 pub use fit::{Bins, Levels, Measured, Row};
+pub use interval::Interval;
 pub use jnd::Jnd;
 pub use plane::{PlanarComparison, PlanarMeasured, PlanarPoint, compare_planar};
 pub use texture_distance::{Kind, TextureComparison, TextureDirection};
+pub use verdict::Verdict;
 
 /// Largest relative difference of friction that counts as the same.
 pub const MARGIN: f64 = 0.05;

@@ -1,7 +1,7 @@
 //! Friction in the plane: how much more of it a hand feels in any direction, and how far it points elsewhere.
 
-use crate::distance::{Interval, Squared, Verdict};
-use crate::fit::{BLOCKS, jackknife};
+use crate::interval::{BLOCKS, Interval, Squared, jackknife};
+use crate::verdict::Verdict;
 use crate::{Error, Jnd};
 use identify::planar::{PlanarModel, PlanarOptions, Track, identify_planar};
 use nalgebra::{DMatrix, DVector};

@@ -19,7 +19,7 @@
 //! just noticeable: what a law leaves that is no parabola is less.
 
 use crate::Jnd;
-use crate::fit::BLOCKS;
+use crate::interval::BLOCKS;
 use identify::Signals;
 use nalgebra::{Complex, DMatrix, DVector};
 use signals::quantile;

@@ -20,9 +20,10 @@
 //! The intervals hold for all of these figures at once.
 
 use crate::Jnd;
-use crate::distance::{Interval, Squared, Verdict};
-use crate::fit::{BLOCKS, Measured, jackknife};
+use crate::fit::Measured;
+use crate::interval::{BLOCKS, Interval, Squared, jackknife};
 use crate::texture::{HARMONICS, Lines, Texture};
+use crate::verdict::{Verdict, all_of};
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -224,17 +225,6 @@ fn distance(pair: &[Texture; 2], shows: [bool; 2], margin: f64) -> TextureCompar
         period_squared: period.map(|s| s.value),
         shape_squared: shape.map(|s| s.value),
         verdict: all_of(&verdicts),
-    }
-}
-
-/// *The same* where all are, *different* where one is.
-pub(crate) fn all_of(verdicts: &[Verdict]) -> Verdict {
-    if verdicts.contains(&Verdict::Different) {
-        Verdict::Different
-    } else if verdicts.contains(&Verdict::Undecided) {
-        Verdict::Undecided
-    } else {
-        Verdict::Same
     }
 }
 
