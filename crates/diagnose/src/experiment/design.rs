@@ -9,9 +9,9 @@
 use crate::experiment::evidence::{Contrast, Evidence};
 use crate::experiment::moves::{Limits, Move, simulate};
 use crate::experiment::proposal::{ENOUGH, Experiment, WORTHWHILE};
-use crate::experiment::signatures::Signatures;
 use crate::findings::free_run::Plant;
 use crate::library::design_matrix::DesignMatrix;
+use crate::library::kept::Column;
 use crate::preparation::track::Reversals;
 use crate::search::catalogue::needed_reliability;
 use crate::search::hypothesis::{Atom, Hypothesis};
@@ -75,14 +75,12 @@ impl Designer<'_> {
         }
         let friction = self.plant.coulomb.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         let candidates = self.limits.candidates(self.plant.mass, friction, self.frequency, SECONDS);
-        let recorded = Signatures::new(self.search.design);
-        let evidence: Vec<Evidence> = questions.iter().map(|q| self.evidence(&recorded, q)).collect();
+        let evidence: Vec<Evidence> = questions.iter().map(|q| self.evidence(q)).collect();
         let judged: Vec<Vec<Option<Experiment>>> = candidates
             .par_iter()
             .map(|motion| {
                 let Some(design) = self.design_of(motion) else { return vec![None; questions.len()] };
-                let moved = Signatures::new(&design);
-                let of = |(q, e): (&Question, &Evidence)| self.judge(motion, &moved, q, e);
+                let of = |(q, e): (&Question, &Evidence)| self.judge(motion, &design, q, e);
                 questions.iter().zip(&evidence).map(of).collect()
             })
             .collect();
@@ -166,19 +164,19 @@ impl Designer<'_> {
     }
 
     /// What the recordings already say about a question.
-    fn evidence(&self, recorded: &Signatures, question: &Question) -> Evidence {
-        let (forth, back) = self.contrasts(recorded, question, None);
+    fn evidence(&self, question: &Question) -> Evidence {
+        let (forth, back) = self.contrasts(self.search.design, question, None);
         Evidence::new(forth, back)
     }
 
     fn judge(
         &self,
         motion: &Move,
-        moved: &Signatures,
+        design: &DesignMatrix,
         question: &Question,
         evidence: &Evidence,
     ) -> Option<Experiment> {
-        let (forth, back) = self.contrasts(moved, question, evidence.scale);
+        let (forth, back) = self.contrasts(design, question, evidence.scale);
         let times = motion.seconds / simulated(motion);
         let mut judged = evidence.with(&forth, back.as_ref(), times, self.floor)?;
         if let Question::Unseen(atom) = question {
@@ -186,7 +184,7 @@ impl Designer<'_> {
             if atom.reliable < needed_reliability(atom.term.kind) {
                 judged.now = 0.0;
             }
-            if !self.is_above_its_noise(moved, atom) {
+            if !self.is_above_its_noise(design, atom) {
                 judged.after = judged.now;
             }
         }
@@ -205,16 +203,13 @@ impl Designer<'_> {
 
     /// Whether an effect's signature on a move is more than what the sensors' noise makes of it: that noise was drawn on the
     /// recordings, and is the same on every move.
-    fn is_above_its_noise(&self, moved: &Signatures, atom: &Atom) -> bool {
-        let left = |design: &DesignMatrix, columns: &[&[f64]]| -> f64 {
+    fn is_above_its_noise(&self, design: &DesignMatrix, atom: &Atom) -> bool {
+        let left = |design: &DesignMatrix, columns: &[Column]| -> f64 {
             let basis = Basis::of(&design.baseline);
             columns.iter().map(|c| basis.left(c)).sum::<f64>() / design.y.len().max(1) as f64
         };
-        let known: Vec<&[f64]> = atom.columns.iter().map(|c| c.as_slice()).collect();
-        let there = moved.active(atom);
-        let there: Vec<&[f64]> = there.iter().map(Vec::as_slice).collect();
-        let noise = (1.0 - atom.reliable).max(0.0) * left(self.search.design, &known);
-        noise <= (1.0 - needed_reliability(atom.term.kind)) * left(moved.design, &there)
+        let noise = (1.0 - atom.reliable).max(0.0) * left(self.search.design, &atom.columns);
+        noise <= (1.0 - needed_reliability(atom.term.kind)) * left(design, &active(design, atom))
     }
 
     /// Whichever of the two was named.
@@ -242,15 +237,14 @@ impl Designer<'_> {
     /// the other may answer.
     fn contrasts(
         &self,
-        on: &Signatures,
+        design: &DesignMatrix,
         question: &Question,
         scale: Option<f64>,
     ) -> (Contrast, Option<Contrast>) {
-        let design = on.design;
         match question {
             Question::Unseen(atom) => {
                 let mut own = vec![0.0; design.y.len()];
-                for column in on.columns(&atom.term).iter() {
+                for column in design.kept_columns(&atom.term).iter() {
                     add(&mut own, column, 1.0);
                 }
                 // as strong as the noise floor: on what was recorded, or where it was never excited on the move
@@ -259,30 +253,30 @@ impl Designer<'_> {
                 own.iter_mut().for_each(|x| *x *= scale.unwrap_or(0.0));
                 let mut shared: Vec<Vec<f64>> = design.baseline.clone();
                 for (i, a) in self.found.atoms.iter().enumerate() {
-                    shared.extend(on.active(a));
-                    shared.extend(self.slopes(on, a, self.found.coefficients(self.search.design, i)));
+                    shared.extend(active(design, a).iter().map(|c| c.to_vec()));
+                    shared.extend(self.slopes(design, a, self.found.coefficients(self.search.design, i)));
                 }
                 (Contrast { target: own.clone(), own, shared, answer: Vec::new(), scale }, None)
             }
             Question::Rival { named, rival } => {
                 let last = rival.atoms.len().saturating_sub(1);
-                let (a, b) = (self.says(on, self.found), self.says(on, rival));
+                let (a, b) = (self.says(design, self.found), self.says(design, rival));
                 let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
                 let mut shared: Vec<Vec<f64>> = design.baseline.clone();
                 for (i, atom) in self.found.atoms.iter().enumerate() {
                     if i != *named {
-                        shared.extend(on.active(atom));
+                        shared.extend(active(design, atom).iter().map(|c| c.to_vec()));
                     }
                 }
                 let side = |h: &Hypothesis, i: usize| -> (Vec<f64>, Vec<Vec<f64>>) {
                     let coefficients = h.coefficients(self.search.design, i);
-                    let columns = on.active(&h.atoms[i]);
+                    let columns = active(design, &h.atoms[i]);
                     let mut own = vec![0.0; design.y.len()];
                     for (column, c) in columns.iter().zip(coefficients) {
                         add(&mut own, column, *c);
                     }
-                    let slopes = self.slopes(on, &h.atoms[i], coefficients);
-                    (own, columns.into_iter().chain(slopes).collect())
+                    let slopes = self.slopes(design, &h.atoms[i], coefficients);
+                    (own, columns.iter().map(|c| c.to_vec()).chain(slopes).collect())
                 };
                 let ((own_a, answer_a), (own_b, answer_b)) = (side(self.found, *named), side(rival, last));
                 (
@@ -300,13 +294,13 @@ impl Designer<'_> {
     }
 
     /// What a hypothesis predicts on a design matrix.
-    fn says(&self, on: &Signatures, h: &Hypothesis) -> Vec<f64> {
-        let mut out = vec![0.0; on.design.y.len()];
-        for (column, c) in on.design.baseline.iter().zip(&h.fit.coefficients) {
+    fn says(&self, design: &DesignMatrix, h: &Hypothesis) -> Vec<f64> {
+        let mut out = vec![0.0; design.y.len()];
+        for (column, c) in design.baseline.iter().zip(&h.fit.coefficients) {
             add(&mut out, column, *c);
         }
         for (i, atom) in h.atoms.iter().enumerate() {
-            for (column, c) in on.active(atom).iter().zip(h.coefficients(self.search.design, i)) {
+            for (column, c) in active(design, atom).iter().zip(h.coefficients(self.search.design, i)) {
                 add(&mut out, column, *c);
             }
         }
@@ -314,7 +308,7 @@ impl Designer<'_> {
     }
 
     /// How an atom's force changes with its shape: a rival may still bend.
-    fn slopes(&self, on: &Signatures, atom: &Atom, coefficients: &[f64]) -> Vec<Vec<f64>> {
+    fn slopes(&self, design: &DesignMatrix, atom: &Atom, coefficients: &[f64]) -> Vec<Vec<f64>> {
         let mut out = Vec::new();
         for (axis, parameter) in atom.term.kind.shape().iter().enumerate() {
             let (low, high, _) = self.search.scales.range(parameter);
@@ -323,8 +317,8 @@ impl Designer<'_> {
             let side = |sign: f64| {
                 let mut other = atom.clone();
                 other.term.shape[axis] = here + sign * step;
-                let mut sum = vec![0.0; on.design.y.len()];
-                for (column, c) in on.active(&other).iter().zip(coefficients) {
+                let mut sum = vec![0.0; design.y.len()];
+                for (column, c) in active(design, &other).iter().zip(coefficients) {
                     add(&mut sum, column, *c);
                 }
                 sum
@@ -338,6 +332,12 @@ impl Designer<'_> {
 /// Length of a move that is simulated, s.
 fn simulated(motion: &Move) -> f64 {
     SIMULATED.0.max(SIMULATED.1 / motion.frequency).min(motion.seconds)
+}
+
+/// Those of an atom's columns that are fitted. Every question asks for those of everything that was found.
+fn active(design: &DesignMatrix, atom: &Atom) -> Vec<Column> {
+    let all = design.kept_columns(&atom.term);
+    atom.active.iter().filter_map(|i| all.get(*i).cloned()).collect()
 }
 
 fn add(sum: &mut [f64], column: &[f64], c: f64) {

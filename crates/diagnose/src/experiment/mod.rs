@@ -6,4 +6,3 @@ pub mod evidence;
 pub mod moves;
 pub mod other_means;
 pub mod proposal;
-mod signatures;

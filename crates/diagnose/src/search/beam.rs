@@ -130,12 +130,9 @@ impl Search<'_> {
         let y = DVector::from_fn(last + 1, |i, _| if i == last { 1.0 } else { 0.0 });
         let Some(span) = overlap.span((0..last).collect(), y) else { return Vec::new() };
         let gains = (0..overlap.atoms.len()).into_par_iter().map(|i| {
-            let atom = overlap.atoms[i];
-            let alone = match overlap.gain(&span, i) {
-                Some(gain) => atom.physical(&[gain]),
-                None => true,
-            };
-            (if alone { overlap.captured(&span, i) } else { 0.0 }, i)
+            let outside = overlap.outside(&span, i);
+            let accepted = outside.gain().is_none_or(|gain| overlap.atoms[i].physical(&[gain]));
+            (if accepted { outside.captured() } else { 0.0 }, i)
         });
         let gains: Vec<(f64, usize)> = gains.collect();
         let mut ranked: Vec<(f64, usize)> = Vec::new();

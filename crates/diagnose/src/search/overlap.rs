@@ -59,8 +59,8 @@ impl<'a> Overlap<'a> {
         Some(span)
     }
 
-    /// Inner products of the columns of atom `i` outside `span` with each other, and with the sum outside it.
-    fn outside(&self, span: &Span, i: usize) -> (DMatrix<f64>, DVector<f64>) {
+    /// What of atom `i` lies outside `span`.
+    pub fn outside(&self, span: &Span, i: usize) -> Outside {
         let with = &self.with[i];
         let coordinates: Vec<DVector<f64>> =
             with.row_iter().map(|row| span.coordinates(&row.transpose())).collect();
@@ -69,28 +69,41 @@ impl<'a> Overlap<'a> {
         });
         let moment = with * &span.y;
         let moment = DVector::from_fn(with.nrows(), |k, _| moment[k] - coordinates[k].dot(&span.along));
-        (own, moment)
-    }
-
-    /// The gain of atom `i` that fits the sum best beside `span`; None where it has several.
-    pub fn gain(&self, span: &Span, i: usize) -> Option<f64> {
-        let (own, moment) = self.outside(span, i);
-        (moment.len() == 1).then(|| moment[0] / own[(0, 0)])
+        Outside { coordinates, own, moment, whole: self.own[i].diagonal() }
     }
 
     /// Squared length of the sum along what of atom `i` is outside `span`.
     pub fn captured(&self, span: &Span, i: usize) -> f64 {
-        let (own, moment) = self.outside(span, i);
-        captured(&own, &moment, &self.own[i].diagonal())
+        self.outside(span, i).captured()
     }
 
     /// The same along what of several atoms is outside `span`.
     pub fn pairs<'b>(&'b self, span: &'b Span, of: &'b [usize]) -> Pairs<'b> {
-        let alone: Vec<_> = of.iter().map(|i| self.outside(span, *i)).collect();
-        let coordinates = |i: &usize| -> Vec<DVector<f64>> {
-            self.with[*i].row_iter().map(|row| span.coordinates(&row.transpose())).collect()
-        };
-        Pairs { overlap: self, of, alone, coordinates: of.iter().map(coordinates).collect() }
+        Pairs { overlap: self, of, alone: of.iter().map(|i| self.outside(span, *i)).collect() }
+    }
+}
+
+/// What of an atom's columns lies outside a span.
+pub struct Outside {
+    /// Of each column: coordinates of the rest, in the span.
+    coordinates: Vec<DVector<f64>>,
+    /// Inner products with each other.
+    own: DMatrix<f64>,
+    /// Inner products with the sum outside the span.
+    moment: DVector<f64>,
+    /// Squares of the whole columns.
+    whole: DVector<f64>,
+}
+
+impl Outside {
+    /// The gain of the atom that fits the sum best beside the span; None where it has several.
+    pub fn gain(&self) -> Option<f64> {
+        (self.moment.len() == 1).then(|| self.moment[0] / self.own[(0, 0)])
+    }
+
+    /// Squared length of the sum along these.
+    pub fn captured(&self) -> f64 {
+        captured(&self.own, &self.moment, &self.whole)
     }
 }
 
@@ -98,34 +111,29 @@ impl<'a> Overlap<'a> {
 pub struct Pairs<'a> {
     overlap: &'a Overlap<'a>,
     of: &'a [usize],
-    /// Of each: inner products outside the span, among its columns and with the sum.
-    alone: Vec<(DMatrix<f64>, DVector<f64>)>,
-    /// Of each of its columns: coordinates in the span.
-    coordinates: Vec<Vec<DVector<f64>>>,
+    alone: Vec<Outside>,
 }
 
 impl Pairs<'_> {
     /// Squared length of the sum along what of the `i`th and the `j`th is outside the span.
     pub fn captured(&self, i: usize, j: usize) -> f64 {
-        let ((own_i, moment_i), (own_j, moment_j)) = (&self.alone[i], &self.alone[j]);
-        let (n, m) = (moment_i.len(), moment_j.len());
-        let (a, b) = (self.of[i], self.of[j]);
-        let (columns_a, columns_b) = (&self.overlap.atoms[a].columns, &self.overlap.atoms[b].columns);
+        let (one, other) = (&self.alone[i], &self.alone[j]);
+        let (n, m) = (one.moment.len(), other.moment.len());
+        let columns = |i: usize| &self.overlap.atoms[self.of[i]].columns;
+        let (columns_i, columns_j) = (columns(i), columns(j));
         let across = DMatrix::from_fn(n, m, |k, l| {
-            let inside = self.coordinates[i][k].dot(&self.coordinates[j][l]);
-            dot(&columns_a[k], &columns_b[l]) - inside
+            dot(&columns_i[k], &columns_j[l]) - one.coordinates[k].dot(&other.coordinates[l])
         });
         let own = DMatrix::from_fn(n + m, n + m, |k, l| match (k < n, l < n) {
-            (true, true) => own_i[(k, l)],
+            (true, true) => one.own[(k, l)],
             (true, false) => across[(k, l - n)],
             (false, true) => across[(l, k - n)],
-            (false, false) => own_j[(k - n, l - n)],
+            (false, false) => other.own[(k - n, l - n)],
         });
         let both = |x: &DVector<f64>, y: &DVector<f64>| {
             DVector::from_fn(n + m, |k, _| if k < n { x[k] } else { y[k - n] })
         };
-        let whole = both(&self.overlap.own[a].diagonal(), &self.overlap.own[b].diagonal());
-        captured(&own, &both(moment_i, moment_j), &whole)
+        captured(&own, &both(&one.moment, &other.moment), &both(&one.whole, &other.whole))
     }
 }
 

@@ -3,7 +3,7 @@
 //! A column counts outside of the parent, the hypothesis without the term. That part is never formed: its scores follow from
 //! inner products with the columns of the parent, block by block, and those are taken once for all terms of a hypothesis.
 
-use crate::regression::linear::inverse;
+use crate::regression::linear::{gram, inverse};
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::{FLIPS, OUTSIDE, Search};
 use nalgebra::{DMatrix, DVector};
@@ -64,7 +64,7 @@ impl Search<'_> {
                         fixed.push(column);
                     }
                 }
-                let gram = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(columns[i], columns[j]));
+                let gram = gram(&columns, 0..noise.len());
                 let by_block = |residual: &[f64]| {
                     let products = block_products(residual, &columns, edges);
                     DMatrix::from_row_slice(design.blocks.len(), columns.len(), &products)
