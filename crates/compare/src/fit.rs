@@ -95,7 +95,7 @@ impl Measured {
         };
         let columns = [&signals.time, velocity, &signals.acceleration, &signals.force, &unsteady];
         let [time, velocity, acceleration, mut force, unsteady] = columns.map(|c| signals.condition(c));
-        // friction is what is left
+        // the rest is friction
         force.iter_mut().zip(repeated.iter().flatten()).for_each(|(f, texture)| *f -= texture);
         let count = time.len();
         let rows: Vec<Row> = (0..count)

@@ -10,13 +10,13 @@
 //!
 //! **The period.** One harmonic at a time explains a power S(f) of the force at spatial frequency f; f runs from two
 //! periods in the stroke up to what the filter passes at the median speed. A line is a local maximum of S that is
-//! [`NARROW`] times the median of what is left of S within an octave on both sides of it, once the line is taken off: a law
-//! of friction that is not a parabola leaves a slope in S, and no line. Gauss-Newton steps then fit λ with all harmonics.
+//! [`NARROW`] times the median of S within an octave on both sides, computed after the line is removed: a friction law that is
+//! not a parabola leaves a slope in S, not a line. Gauss-Newton steps then fit λ with all harmonics.
 //!
 //! **Beyond noise.** The fit is repeated without each tenth of the recording. A texture shows if the n = 10 pseudo-values
 //! c_k of its strongest line agree: R = |Σ c_k|²/(n·Σ|c_k|²). Noise exceeds R with probability (1 − R)^(n − 1); at
 //! [`COHERENT`] that is 10⁻⁶, which a thousand frequencies leave at 10⁻³. Its amplitude must also be
-//! just noticeable: what a law leaves that is no parabola is less.
+//! just noticeable: the misfit of the parabola is smaller than that.
 
 use crate::Jnd;
 use crate::interval::BLOCKS;

@@ -1,5 +1,5 @@
-//! What a device renders of a body that was identified or diagnosed: the law at the bounds of the device, and the effects that
-//! it takes beside it.
+//! What a device renders of a body that was identified or diagnosed: the law, moved to the bounds of the device, and the effects
+//! that the device accepts with it.
 
 use crate::nearest::{Change, nearest};
 use haptics::settings::MAX_EFFECTS;

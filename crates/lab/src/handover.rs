@@ -74,9 +74,9 @@ pub struct Difference {
     pub name: String,
     /// Unit; empty for a choice.
     pub unit: String,
-    /// As it is on the device; empty for an effect that it does not have.
+    /// Value on the device; empty if the device does not have the effect.
     pub before: String,
-    /// As it is sent; `off` for an effect that is not in what was found.
+    /// Value to send; `off` for an effect that was not found.
     pub after: String,
 }
 

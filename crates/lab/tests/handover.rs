@@ -1,4 +1,5 @@
-//! A handover of a body that exceeds the device, by messages: what is sent, what is left out, and why.
+//! The handover, tested through its messages, with a body beyond the limits of the device: what is sent, what is left out, and
+//! why.
 
 use client::Session;
 use haptics::{Device, Settings};

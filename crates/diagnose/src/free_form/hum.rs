@@ -282,7 +282,7 @@ fn stands_out(rest: &Rest, before: &Fit, after: &Fit, frequency: f64) -> bool {
 fn moved(rest: &Rest, library: &Library, extra: &[ExtraColumn], columns: &[Vec<f64>]) -> bool {
     let design = rest.design;
     let ranges: Vec<Range<usize>> = rest.recordings.iter().map(|r| rest.rows(*r)).collect();
-    // squared error that a form takes away, and that the hum takes away beside it
+    // how much a form lowers the squared error, and how much the hum lowers it after that
     let taken = |form: &[Vec<f64>]| -> (f64, f64) {
         let of = |rows: &Range<usize>| {
             let known: Vec<&[f64]> = design.baseline.iter().map(|c| &c[rows.clone()]).collect();

@@ -267,7 +267,7 @@ impl Search<'_> {
         };
         let changes: Vec<(Vec<f64>, DVector<f64>)> =
             axes.par_iter().zip(&*known).map(change).collect::<Option<_>>()?;
-        // the gains take what they can of a change: what is left of it, without forming it
+        // each change minus its projection onto the columns, from inner products alone
         let taken: Vec<DVector<f64>> = changes.iter().map(|(_, with)| &here.cover * with).collect();
         let mut normal = DMatrix::zeros(axes.len(), axes.len());
         for i in 0..axes.len() {

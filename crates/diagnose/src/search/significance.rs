@@ -120,7 +120,7 @@ impl Search<'_> {
 
 impl Parent<'_> {
     /// The score of a column with squared length `own`, by its inner products with the `shared` columns, the force and the noise;
-    /// None where it lies inside.
+    /// None if the column lies in the span of the parent's columns.
     fn score(
         &self,
         products: &DMatrix<f64>,

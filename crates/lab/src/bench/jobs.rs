@@ -35,7 +35,7 @@ impl Bench {
         let job = Job { kind, of: of.clone(), share: 0.0, says: "reading".into() };
         self.shared.known(|known| known.job = Some(job));
         self.dirty = true;
-        // a job of its own each: one that is told to end does not end the next
+        // each job has its own flag: cancelling one does not cancel the next
         let cancel = Arc::new(AtomicBool::new(false));
         self.cancel = cancel.clone();
         let (tools, own, file) = (self.tools.clone(), self.own.clone(), self.folder.join(&report));
