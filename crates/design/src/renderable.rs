@@ -4,11 +4,12 @@
 use crate::nearest::{Change, nearest};
 use haptics::settings::MAX_EFFECTS;
 use haptics::{Device, Settings};
+use serde::Serialize;
 
 /// Something that was found and is not rendered.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
-    /// Parameter or effect.
+    /// Parameter, effect or part of the model.
     pub name: String,
     /// Value, limit and reason.
     pub why: String,

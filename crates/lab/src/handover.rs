@@ -8,6 +8,7 @@
 //! ```
 
 use client::Sample;
+use design::{Change, LeftOut};
 use haptics::Device;
 use haptics::Settings;
 use haptics::settings::PARAMETERS;
@@ -45,26 +46,17 @@ pub struct Moved {
     pub why: String,
 }
 
-/// Something that was found and is not sent.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct LeftOut {
-    /// Parameter, effect or part of the model.
-    pub name: String,
-    /// Value, limit and reason.
-    pub why: String,
-}
-
-/// What a device renders of what was found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Renderable {
-    /// Accepted by the device.
-    pub settings: Settings,
-    /// Parameters at their bounds.
-    pub moved: Vec<Moved>,
-    /// What is not rendered.
-    pub left_out: Vec<LeftOut>,
-    /// Warning of the device.
-    pub warning: Option<String>,
+impl Moved {
+    pub(crate) fn of(change: Change, device: &Device) -> Self {
+        let dimension = change.why.dimension;
+        Self {
+            name: change.parameter,
+            found: change.from,
+            sent: change.to,
+            unit: dimension.map_or_else(String::new, |d| d.unit(device.geometry).to_string()),
+            why: change.why.words.to_owned(),
+        }
+    }
 }
 
 /// A parameter that differs between the active preset and the one to send.

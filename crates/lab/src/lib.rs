@@ -29,7 +29,7 @@ mod session_file;
 pub mod tools;
 pub mod verdict;
 
-pub use handover::{Curves, LeftOut, Moved, Renderable};
+pub use handover::{Curves, Moved};
 pub use tools::{Found, Progress, Tools};
 
 use bench::{Bench, Shared, ToBench};

@@ -1,8 +1,7 @@
 //! Functions of the host command that the page offers; the caller implements them.
 
-use crate::handover::{LeftOut, Renderable};
 use client::Session;
-use haptics::{Device, Settings};
+use design::LeftOut;
 use serde::Serialize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -69,29 +68,6 @@ pub trait Tools: Send + Sync {
     /// # Errors
     /// What is wrong with the recording.
     fn not_a_body(&self, recording: &Path) -> Result<Option<String>, String>;
-
-    /// What the device renders of a body that was found; what `found` does not name stays as in `active`.
-    ///
-    /// # Errors
-    /// Why it renders nothing of it.
-    fn renderable(
-        &self,
-        found: &[(String, String)],
-        active: &Settings,
-        device: &Device,
-    ) -> Result<Renderable, String>;
-
-    /// Friction force of a preset at each velocity, N.
-    fn felt_over_speed(&self, settings: &Settings, device: &Device, velocities: &[f32]) -> Vec<f32>;
-
-    /// Friction force of a preset at each position, N, at a constant velocity.
-    fn felt_over_position(
-        &self,
-        settings: &Settings,
-        device: &Device,
-        velocity: f32,
-        positions: &[f32],
-    ) -> Vec<f32>;
 
     /// Writes a recording as MCAP.
     ///

@@ -2,8 +2,8 @@
 //! why.
 
 use client::Session;
-use haptics::{Device, Settings};
-use lab::{Found, Lab, LeftOut, Moved, Options, Progress, Renderable, Tools};
+use design::LeftOut;
+use lab::{Found, Lab, Options, Progress, Tools};
 use serde_json::{Value, json};
 use std::net::TcpStream;
 use std::ops::ControlFlow;
@@ -41,43 +41,6 @@ impl Tools for Finds {
 
     fn not_a_body(&self, _: &Path) -> Result<Option<String>, String> {
         Ok(self.1.map(str::to_owned))
-    }
-
-    fn renderable(
-        &self,
-        found: &[(String, String)],
-        active: &Settings,
-        device: &Device,
-    ) -> Result<Renderable, String> {
-        let body = design::renderable(found, active, device)?;
-        let moved = body.moved.into_iter().map(|change| Moved {
-            name: change.parameter,
-            found: change.from,
-            sent: change.to,
-            unit: "N".into(),
-            why: change.why.words.to_owned(),
-        });
-        let left_out = body.left_out.into_iter().map(|left| LeftOut { name: left.name, why: left.why });
-        Ok(Renderable {
-            settings: body.settings,
-            moved: moved.collect(),
-            left_out: left_out.collect(),
-            warning: body.warning,
-        })
-    }
-
-    fn felt_over_speed(&self, settings: &Settings, device: &Device, velocities: &[f32]) -> Vec<f32> {
-        design::felt_over_speed(settings, device, velocities)
-    }
-
-    fn felt_over_position(
-        &self,
-        settings: &Settings,
-        device: &Device,
-        v: f32,
-        positions: &[f32],
-    ) -> Vec<f32> {
-        design::felt_over_position(settings, device, v, positions)
     }
 
     fn to_mcap(&self, _: &Path, _: &Path) -> Result<(), String> {

@@ -5,9 +5,9 @@ use crate::failure::{Failure, Result};
 use crate::options::Mapping;
 use crate::{files, reading};
 use client::Session;
+use design::LeftOut;
 use friction::effects::{Describe, Unnamed};
-use haptics::{Device, Settings};
-use lab::{Found, LeftOut, Moved, Progress, Renderable, Tools};
+use lab::{Found, Progress, Tools};
 use perception::study;
 use signals::Recording;
 use std::path::{Path, PathBuf};
@@ -104,43 +104,6 @@ impl Tools for HostTools {
     fn not_a_body(&self, recording: &Path) -> std::result::Result<Option<String>, String> {
         let recording = reading::read(recording, &Mapping::default()).map_err(words)?;
         Ok(pushed_from_beyond(&recording))
-    }
-
-    fn renderable(
-        &self,
-        found: &[(String, String)],
-        active: &Settings,
-        device: &Device,
-    ) -> std::result::Result<Renderable, String> {
-        let body = design::renderable(found, active, device)?;
-        let moved = |change: design::Change| Moved {
-            name: change.parameter,
-            found: change.from,
-            sent: change.to,
-            unit: change.why.dimension.map_or_else(String::new, |d| d.unit(device.geometry).to_string()),
-            why: change.why.words.to_owned(),
-        };
-        let left_out = |left: design::LeftOut| LeftOut { name: left.name, why: left.why };
-        Ok(Renderable {
-            settings: body.settings,
-            moved: body.moved.into_iter().map(moved).collect(),
-            left_out: body.left_out.into_iter().map(left_out).collect(),
-            warning: body.warning,
-        })
-    }
-
-    fn felt_over_speed(&self, settings: &Settings, device: &Device, velocities: &[f32]) -> Vec<f32> {
-        design::felt_over_speed(settings, device, velocities)
-    }
-
-    fn felt_over_position(
-        &self,
-        settings: &Settings,
-        device: &Device,
-        velocity: f32,
-        positions: &[f32],
-    ) -> Vec<f32> {
-        design::felt_over_position(settings, device, velocity, positions)
     }
 
     fn to_mcap(&self, recording: &Path, out: &Path) -> std::result::Result<(), String> {

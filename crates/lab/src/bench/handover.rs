@@ -1,7 +1,7 @@
 //! The handover: records, has it diagnosed, sends what the device renders of it, and shows the force before and after.
 
 use super::Bench;
-use crate::handover::{Bins, Curves, Handover, Renderable, Step, differences, rounded};
+use crate::handover::{Bins, Curves, Handover, Moved, Step, differences, rounded};
 use crate::orders::About;
 use crate::say::Tone;
 use crate::tools::Found;
@@ -90,7 +90,7 @@ impl Bench {
         let planned = if found.preset.is_empty() {
             Err("no model was found, so there is nothing to render; the report says why".to_owned())
         } else {
-            self.tools.renderable(&found.preset, &active, &device)
+            design::renderable(&found.preset, &active, &device)
         };
         let mut next = self.shared.known(|known| Handover {
             differences: Vec::new(),
@@ -105,11 +105,12 @@ impl Bench {
             next.recorded = bins.curves(mass.unwrap_or(0.0));
         }
         let settings = match planned {
-            Ok(Renderable { settings, moved, left_out, warning }) => {
-                next.before = self.felt_of(&active, &device, &next);
-                next.after = self.felt_of(&settings, &device, &next);
+            Ok(design::Renderable { settings, moved, left_out, warning }) => {
+                next.before = felt_of(&active, &device, &next);
+                next.after = felt_of(&settings, &device, &next);
                 next.differences = differences(&active, &settings, &device);
-                (next.moved, next.warning) = (moved, warning);
+                next.moved = moved.into_iter().map(|change| Moved::of(change, &device)).collect();
+                next.warning = warning;
                 next.left_out = [left_out, found.left_out.clone()].concat();
                 if next.is_felt(&device) {
                     next.step = Step::Send;
@@ -133,15 +134,6 @@ impl Bench {
         self.shared.known(|known| known.handover = next);
         self.dirty = true;
         settings
-    }
-
-    fn felt_of(&self, settings: &Settings, device: &Device, shown: &Handover) -> Curves {
-        let compared = shown.speeds.get(shown.compared).copied().unwrap_or(0.0);
-        let curve = |forces: Vec<f32>| forces.iter().map(|f| f.is_finite().then(|| rounded(*f))).collect();
-        let over_speed = curve(self.tools.felt_over_speed(settings, device, &shown.speeds));
-        let over_position =
-            curve(self.tools.felt_over_position(settings, device, compared, &shown.positions));
-        Curves { over_speed, over_position }
     }
 
     /// Third step.
@@ -263,6 +255,15 @@ impl Bench {
     /// Empty bins for samples of this device.
     pub(super) fn bins(&self) -> Bins {
         self.shared.known(|known| Bins::new(&known.device, known.period))
+    }
+}
+
+fn felt_of(settings: &Settings, device: &Device, shown: &Handover) -> Curves {
+    let compared = shown.speeds.get(shown.compared).copied().unwrap_or(0.0);
+    let curve = |forces: Vec<f32>| forces.iter().map(|f| f.is_finite().then(|| rounded(*f))).collect();
+    Curves {
+        over_speed: curve(design::felt_over_speed(settings, device, &shown.speeds)),
+        over_position: curve(design::felt_over_position(settings, device, compared, &shown.positions)),
     }
 }
 
