@@ -28,6 +28,12 @@ const UNDERCUT: f64 = 0.7;
 /// recording of 90 rows had six effects with 21 numbers named.
 const ROWS_A_PARAMETER: usize = 10;
 
+/// Squared error over that of the floor from which on several floors remain.
+const REMAINS: f64 = 4.0;
+
+/// Share of the squared error above the floor below which an explanation is a small part.
+const SMALL: f64 = 1.0 / 3.0;
+
 /// Searches at most: one more after each in which something did not last.
 const ROUNDS: usize = 3;
 
@@ -163,7 +169,27 @@ impl Named {
         } else {
             self.last = self.found.clone();
         }
+        self.withdraw_a_small_part(options, cutoff);
         Ok(())
+    }
+
+    /// Withdraws everything where it explains a small part of what the baseline leaves out and several floors remain: where
+    /// the rest is unknown, a part of it looks like any effect.
+    fn withdraw_a_small_part(&mut self, options: &Options, cutoff: f64) {
+        let search = self.search(options, cutoff);
+        let (floor, baseline) = (search.floor, self.regression.baseline.clone());
+        let (before, after) = (baseline.fit.heldout_sum(), self.last.fit.heldout_sum());
+        if after < REMAINS * floor || before - after >= SMALL * (before - floor) {
+            return;
+        }
+        let rows: f64 = search.design.block_weight().iter().sum();
+        let rms = |sum: f64| (sum / rows).sqrt();
+        let regime =
+            format!("it explains {:.0} % of what is left out", 100.0 * (before - after) / (before - floor));
+        let taken_back = |kind| Withdrawn { kind, regime: regime.clone(), rms: (rms(before), rms(after)) };
+        self.withdrawn.extend(self.found.atoms.iter().map(|a| taken_back(a.term.kind)));
+        (self.found, self.p) = (baseline.clone(), Vec::new());
+        (self.last, self.gains, self.kin) = (baseline, Vec::new(), Vec::new());
     }
 
     /// The search, to judge further hypotheses by.

@@ -10,6 +10,9 @@ use crate::search::lasting::Regime;
 /// Squared error over that of the floor from which on a name leaves so much that it may be wrong.
 const LEAVES: f64 = 2.0;
 
+/// Share of what names leave above the floor that as many free forms have to explain to contradict them.
+const BETTER: f64 = 0.25;
+
 /// Confirmed names, free forms, and the names that the free forms contradict.
 pub struct Resolved {
     pub found: Hypothesis,
@@ -29,8 +32,10 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
     }
     let alone = describe(search, &library, baseline, regimes);
     let free = alone.fit.heldout_sum();
-    let fewer = alone.terms.len() < found.atoms.len() + described.terms.len();
-    let contradicted = search.gains(&described.fit, &alone.fit)[0] > 0.0 || (fewer && free < named);
+    let names = found.atoms.len() + described.terms.len();
+    let fewer = alone.terms.len() < names && free < named;
+    let better = alone.terms.len() == names && named - free > BETTER * (named - search.floor);
+    let contradicted = fewer || better || search.gains(&described.fit, &alone.fit)[0] > 0.0;
     let resolved = if alone.terms.is_empty() || !contradicted {
         as_named()
     } else {

@@ -8,6 +8,7 @@ use crate::regression::linear::{FOLDS, Fit, fit};
 use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::{LEVEL, Search};
 use crate::search::lasting::{self, Regime};
+use friction::Coordinate;
 use rayon::prelude::*;
 use signals::{Basis, dot};
 
@@ -16,6 +17,8 @@ const MOST: usize = 3;
 /// Knots tried for the best candidates.
 const CURVES: [usize; 3] = [5, 8, 22];
 const MAPS: [(usize, usize); 4] = [(4, 4), (5, 8), (8, 5), (10, 10)];
+/// Memories between those of the library, as shares of one of them.
+const BETWEEN: [f64; 5] = [0.56, 0.75, 1.0, 1.33, 1.78];
 /// Candidates that are tried with other knots, and the best map: at first a map is coarse.
 const CLOSER: usize = 3;
 /// Relative increase of the held-out error that is accepted for fewer columns.
@@ -131,6 +134,8 @@ struct Trial {
     candidate: Candidate,
     term: FreeTerm,
     fit: Fit,
+    /// Family-wise p, of the candidate that it is a refinement of.
+    p: f64,
 }
 
 /// The next form; `explained` is the squared error that the named effects explain.
@@ -154,26 +159,23 @@ fn next(
         let all: Vec<&[f64]> =
             columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
         let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
-        Some(Trial { candidate, term, fit })
+        Some(Trial { candidate, term, fit, p: 1.0 })
     };
     let mut trials: Vec<Trial> =
         library.candidates.par_iter().copied().filter_map(|c| trial(c, c.first_knots())).collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
     let p = significance(search, &so_far.fit, &trials, &basis)?;
+    trials.iter_mut().zip(p).for_each(|(t, p)| t.p = p);
     let map = trials.iter().position(|t| t.candidate.across.is_some());
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
     let best: Vec<(Candidate, f64)> =
-        (0..trials.len()).filter(closest).map(|i| (trials[i].candidate, p[i])).collect();
+        (0..trials.len()).filter(closest).map(|i| (trials[i].candidate, trials[i].p)).collect();
     trials.truncate(CLOSER);
-    let closer: Vec<(Candidate, (usize, usize))> = best
-        .iter()
-        .flat_map(|(c, _)| match c.across {
-            None => CURVES.iter().map(|k| (*c, (*k, 0))).collect::<Vec<_>>(),
-            Some(_) => MAPS.iter().map(|k| (*c, *k)).collect(),
-        })
-        .collect();
-    trials.extend(closer.into_par_iter().filter_map(|(c, knots)| trial(c, knots)).collect::<Vec<_>>());
+    let finer = |(c, p): (Candidate, f64)| closer(c).into_iter().map(move |(c, knots)| (c, knots, p));
+    let finer: Vec<(Candidate, (usize, usize), f64)> = best.into_iter().flat_map(finer).collect();
+    let refined = |(c, knots, p)| trial(c, knots).map(|t| Trial { p, ..t });
+    trials.extend(finer.into_par_iter().filter_map(refined).collect::<Vec<_>>());
     let before = so_far.fit.heldout_sum();
     let material = (MATERIAL * (before - search.floor))
         .max(SEEN * search.floor)
@@ -181,7 +183,7 @@ fn next(
         .max(OF_NAMED * explained);
     // one after the other, until one holds where it was not fitted
     while let Some(chosen) = simplest(&mut trials) {
-        let p = best.iter().find(|(c, _)| *c == chosen.candidate).map_or(1.0, |(_, p)| *p);
+        let p = chosen.p;
         let after = heldout(&chosen);
         let interval = search.gains(&so_far.fit, &chosen.fit);
         // a form that flips the sign of a named effect replaces it instead of adding to it
@@ -197,6 +199,16 @@ fn next(
         trials.retain(|t| t.candidate != chosen.candidate);
     }
     None
+}
+
+/// A candidate with other knots, and with the memories between those of the library.
+fn closer(candidate: Candidate) -> Vec<(Candidate, (usize, usize))> {
+    if candidate.across.is_some() {
+        return MAPS.iter().map(|knots| (candidate, *knots)).collect();
+    }
+    let memories = if candidate.over == Coordinate::Slid { &BETWEEN[..] } else { &[1.0] };
+    let with = |share: &f64| Candidate { memory: candidate.memory * share, ..candidate };
+    memories.iter().map(with).flat_map(|c| CURVES.iter().map(move |k| (c, (*k, 0)))).collect()
 }
 
 /// Takes the simplest of the trials that are as good as the best one.

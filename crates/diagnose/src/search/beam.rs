@@ -79,7 +79,8 @@ impl Search<'_> {
             && (new.is_empty() || self.significance(parent, child, &new) <= LEVEL)
     }
 
-    /// Drops terms that do not hold against the others, worst first; returns each survivor's p value.
+    /// Drops terms that do not hold against the others, worst first; returns each survivor's p value. What has an impossible
+    /// gain goes before the others are judged beside it.
     pub fn prune(&self, mut best: Hypothesis, start: f64) -> (Hypothesis, Vec<f64>) {
         loop {
             let without = |i: usize| {
@@ -95,18 +96,19 @@ impl Search<'_> {
                 .map(|(i, without)| Claim { without, atoms: std::slice::from_ref(&best.atoms[*i]) })
                 .collect();
             let mut p = vec![1.0; best.atoms.len()];
-            let mut worst: Option<(f64, usize)> = None;
+            let mut worst: Option<((bool, f64), usize)> = None;
             for ((i, without), value) in claims.iter().zip(self.significances(&best, &tested)) {
                 let i = *i;
                 p[i] = value;
                 // without the others a gain may have left the range its effect accepts
+                let physical = best.atoms[i].physical(best.coefficients(self.design, i));
                 let stands = value <= LEVEL
-                    && best.atoms[i].physical(best.coefficients(self.design, i))
+                    && physical
                     && self.interval(without, &best)[0] > 0.0
                     && self.material(without, &best, start);
                 let gain = without.fit.heldout_sum() - best.fit.heldout_sum();
-                if !stands && worst.is_none_or(|(g, _)| gain < g) {
-                    worst = Some((gain, i));
+                if !stands && worst.is_none_or(|(least, _)| (physical, gain) < least) {
+                    worst = Some(((physical, gain), i));
                 }
             }
             let without = worst.and_then(|(_, i)| fewer.into_iter().nth(i).flatten());

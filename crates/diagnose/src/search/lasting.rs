@@ -5,15 +5,16 @@
 //! on the rest; over all regimes left out in turn, where the term would have to save something if it were real, it must
 //! save squared error.
 //!
-//! A term that ends on a bound of its shape is a symptom of something else, and does not last either; nor does a line that
-//! neighbouring wavelengths would explain nearly as well, nor a delay of a part of the force.
+//! A term that ends on a bound of its shape is a symptom of something else, and does not last either; nor does one whose size
+//! the recording does not determine, nor a line that neighbouring wavelengths would explain nearly as well, nor a delay of a
+//! part of the force.
 
 use crate::findings::locate::{row_motion, row_times};
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::TermKind;
 use crate::regression::linear::{solve, solve_with_leverage};
 use crate::search::hypothesis::{Atom, Hypothesis};
-use crate::search::joint::at_end;
+use crate::search::joint::{Joint, at_end};
 use crate::search::judgement::Search;
 use crate::search::refine::FINE;
 use crate::search::transport;
@@ -205,8 +206,8 @@ fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usi
         let regime = on_bound(search, found, i).or_else(symptom)?;
         Some((i, Withdrawn { kind, regime, rms: (f64::NAN, f64::NAN) }))
     });
-    if bound.is_some() {
-        return bound;
+    if let Some(failed) = bound.or_else(|| of_no_size(search, found)) {
+        return Some(failed);
     }
     let design = search.design;
     let noise = noise(design, found);
@@ -235,6 +236,24 @@ fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usi
         }
     }
     failed.map(|(_, i, why)| (i, why))
+}
+
+/// Standard errors from which on a gain is known not to be zero.
+const SIZED: f64 = 2.0;
+
+/// The term of which no gain is known to differ from zero, its shape and all other terms being free: another size would
+/// explain as much, with another shape.
+fn of_no_size(search: &Search, found: &Hypothesis) -> Option<(usize, Withdrawn)> {
+    let joint = Joint::of(search, found);
+    let known = |i: usize| {
+        let from = found.offset(search.design, i);
+        let gains = found.coefficients(search.design, i).iter().enumerate();
+        gains.map(|(k, c)| c.abs() / joint.gain(from + k)).fold(0.0, f64::max)
+    };
+    let (size, i) = (0..found.atoms.len()).map(|i| (known(i), i)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let regime = "its size is not known: another shape explains as much with none of it".into();
+    let kind = found.atoms[i].term.kind;
+    (size < SIZED).then_some((i, Withdrawn { kind, regime, rms: (f64::NAN, f64::NAN) }))
 }
 
 /// Cost of a step away from a bound over its standard deviation from which on the recording pushes against it.
