@@ -17,11 +17,11 @@ const MOST: usize = 3;
 /// Knots tried for the best candidates.
 const CURVES: [usize; 3] = [5, 8, 22];
 const MAPS: [(usize, usize); 4] = [(4, 4), (5, 8), (8, 5), (10, 10)];
-/// Memories between those of the library, as shares of one of them.
-const BETWEEN: [f64; 5] = [0.56, 0.75, 1.0, 1.33, 1.78];
+/// Memories between one of the library and the next, as shares of it.
+const AROUND: [f64; 4] = [0.56, 0.75, 1.33, 1.78];
 /// Candidates that are tried with other knots, and the best map: at first a map is coarse.
 const CLOSER: usize = 3;
-/// Relative increase of the held-out error that is accepted for fewer columns.
+/// Relative increase of the held-out error that is accepted for fewer columns, or for a memory of the library.
 const SIMPLER: f64 = 0.02;
 /// Smallest gain of a form, as a share of the error above the floor.
 const MATERIAL: f64 = 0.1;
@@ -132,6 +132,7 @@ impl Described {
 /// A candidate with its knots, and how it does.
 struct Trial {
     candidate: Candidate,
+    knots: (usize, usize),
     term: FreeTerm,
     fit: Fit,
     /// Family-wise p, of the candidate that it is a refinement of.
@@ -159,7 +160,7 @@ fn next(
         let all: Vec<&[f64]> =
             columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
         let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
-        Some(Trial { candidate, term, fit, p: 1.0 })
+        Some(Trial { candidate, knots: (first, second), term, fit, p: 1.0 })
     };
     let mut trials: Vec<Trial> =
         library.candidates.par_iter().copied().filter_map(|c| trial(c, c.first_knots())).collect();
@@ -183,7 +184,11 @@ fn next(
         .max(OF_NAMED * explained);
     // one after the other, until one holds where it was not fitted
     while let Some(chosen) = simplest(&mut trials) {
-        let p = chosen.p;
+        let (of, p) = (chosen.candidate, chosen.p);
+        let others: Vec<Trial> =
+            around(&chosen).into_par_iter().filter_map(|c| trial(c, chosen.knots)).collect();
+        let nearer = |a: &Trial, b: &Trial| heldout(b) < (1.0 - SIMPLER) * heldout(a);
+        let chosen = others.into_iter().fold(chosen, |a, b| if nearer(&a, &b) { b } else { a });
         let after = heldout(&chosen);
         let interval = search.gains(&so_far.fit, &chosen.fit);
         // a form that flips the sign of a named effect replaces it instead of adding to it
@@ -196,19 +201,24 @@ fn next(
         if clear && holds() {
             return Some((chosen.term, Gain { before, after, interval, p }, chosen.fit));
         }
-        trials.retain(|t| t.candidate != chosen.candidate);
+        trials.retain(|t| t.candidate != of);
     }
     None
 }
 
-/// A candidate with other knots, and with the memories between those of the library.
+/// A candidate with other numbers of knots.
 fn closer(candidate: Candidate) -> Vec<(Candidate, (usize, usize))> {
     if candidate.across.is_some() {
         return MAPS.iter().map(|knots| (candidate, *knots)).collect();
     }
-    let memories = if candidate.over == Coordinate::Slid { &BETWEEN[..] } else { &[1.0] };
-    let with = |share: &f64| Candidate { memory: candidate.memory * share, ..candidate };
-    memories.iter().map(with).flat_map(|c| CURVES.iter().map(move |k| (c, (*k, 0)))).collect()
+    CURVES.iter().map(|k| (candidate, (*k, 0))).collect()
+}
+
+/// The same curve with the memories around its own; none where it has no memory.
+fn around(trial: &Trial) -> Vec<Candidate> {
+    let has_memory = trial.candidate.over == Coordinate::Slid;
+    let with = |share: &f64| Candidate { memory: trial.candidate.memory * share, ..trial.candidate };
+    AROUND.iter().filter(|_| has_memory).map(with).collect()
 }
 
 /// Takes the simplest of the trials that are as good as the best one.
