@@ -3,12 +3,12 @@
 use prove::{Extent, Run};
 use serde_json::Value;
 
-fn cases(name: &str, effects: &[&str]) -> Vec<Value> {
+fn cases(name: &str, effects: &[&str], (seeds, seed): (u64, u64), strength: f64) -> Vec<Value> {
     let folder = std::env::temp_dir().join(format!("tribos-open-{name}-{}", std::process::id()));
     let extent = Extent {
-        seeds: 1,
-        seed: 12,
-        strengths: vec![3.0],
+        seeds,
+        seed,
+        strengths: vec![strength],
         seconds: 16.0,
         effects: effects.iter().map(|e| (*e).to_string()).collect(),
         companions: false,
@@ -30,7 +30,7 @@ fn cases(name: &str, effects: &[&str]) -> Vec<Value> {
 #[test]
 fn what_is_in_nobodys_catalogue_is_a_curve_that_predicts_the_next_motion() {
     let effects = ["one_sided_spring", "random_position_friction", "detent"];
-    for case in cases("curve", &effects) {
+    for case in cases("curve", &effects, (1, 12), 3.0) {
         let named: Vec<&str> = case["named"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
         if case["kind"] == "null" {
             assert!(named.is_empty(), "nothing is hidden: {named:?}");
@@ -40,5 +40,15 @@ fn what_is_in_nobodys_catalogue_is_a_curve_that_predicts_the_next_motion() {
         assert_eq!(case["located"], true, "{}", case["hidden"]);
         let explained = case["explained"].as_f64().unwrap();
         assert!(explained > 0.9, "{}: {explained:.3} of the next motion", case["hidden"]);
+    }
+}
+
+#[test]
+fn a_part_of_something_unknown_was_told_as_compliance_backlash_or_rising_static_friction() {
+    let effects = ["random_acceleration", "heated_by_sliding", "random_slid"];
+    for case in cases("part", &effects, (2, 302), 2.0) {
+        let named = case["named"].as_array().unwrap();
+        assert!(named.iter().all(|n| n == "unnamed"), "{}: {named:?}", case["hidden"]);
+        assert_eq!(named.is_empty(), case["kind"] == "null", "{}", case["hidden"]);
     }
 }
