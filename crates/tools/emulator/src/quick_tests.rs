@@ -1,6 +1,7 @@
 //! The quick core beside rsemu's: one instruction, the same state before, the same after.
 
 use super::*;
+use crate::code;
 use crate::image::{CCM_SIZE, RAM_SIZE};
 use crate::random::Random;
 use crate::soc::Soc;
@@ -8,7 +9,7 @@ use crate::world::World;
 use plant::RigConfig;
 use rsemu::core::space::{Region, RomWrite};
 use rsemu::cpu::arm::v7m::Config;
-use rsemu::cpu::arm::v7m::isa::HintOp;
+use rsemu::cpu::arm::v7m::isa::{HintOp, decode, is_32bit};
 use std::sync::Arc;
 
 /// Place of the instruction.
@@ -32,7 +33,7 @@ impl Pair {
         let flash: Vec<u8> = (0..FLASH_BYTES).map(|_| word(random) as u8).collect();
         let bank_1 = Arc::new(RomStore::new(flash));
         let rams = [(); 2].map(|()| Arc::new(RamStore::new(u64::from(RAM_SIZE))));
-        let ccms = [(); 2].map(|()| Arc::new(RamStore::new(u64::from(CCM_SIZE))));
+        let ccms = [(); 2].map(|()| Arc::new(code::ccm_store()));
         let spaces = [0, 1].map(|k| {
             let space = AddressSpace::new("cpu", 32);
             let mut map = space.topology();
@@ -91,6 +92,7 @@ impl Pair {
         let regs = self.cpus[0].regs();
         let mut after = regs;
         self.quick.forget_floats();
+        self.quick.code.forget_written(&self.ccms[0]);
         let [quick, reference] = &self.cpus;
         assert!(quick.with_sys(|sys| self.quick.can_run(sys, &regs)));
         let before = quick.with_sys(|sys| sys.dwt_cyccnt);
@@ -104,11 +106,11 @@ impl Pair {
             space: &self.spaces[0],
             shared: &self.shared,
         };
-        let Some((first, cycles)) = core.step() else {
+        let Some((fetch, cycles)) = core.step() else {
             assert_eq!((after, self.quick.floats_changed), (regs, 0), "{halves:x?} half done");
             return false;
         };
-        assert_eq!(first, halves[0]);
+        assert_eq!(fetch, Fetch::of(halves[0]));
         self.quick.give(quick, &after);
         self.quick.give_floats(quick);
         let counted = reference.with_sys(|sys| sys.dwt_cyccnt);

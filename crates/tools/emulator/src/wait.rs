@@ -121,9 +121,21 @@ impl Waits {
     }
 }
 
-/// Whether an instruction loads from its own code: `ldr` and `vldr` of a literal, and the tables of `tbb` and `tbh`.
-pub(crate) fn loads_literal(first: u16) -> bool {
-    first >> 11 == 0b01001 || matches!(first, 0xf85f | 0xf8df | 0xed1f | 0xed9f | 0xed5f | 0xeddf | 0xe8df)
+/// What the fetch of an instruction takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Fetch {
+    pub bytes: u32,
+    /// It loads from its own code: `ldr` and `vldr` of a literal, and the tables of `tbb` and `tbh`.
+    pub literal: bool,
+}
+
+impl Fetch {
+    /// Of an instruction with this first half-word.
+    pub fn of(first: u16) -> Self {
+        let literal = first >> 11 == 0b01001
+            || matches!(first, 0xf85f | 0xf8df | 0xed1f | 0xed9f | 0xed5f | 0xeddf | 0xe8df);
+        Self { bytes: if first >> 11 < 0b11101 { 2 } else { 4 }, literal }
+    }
 }
 
 #[cfg(test)]
