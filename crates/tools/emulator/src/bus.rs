@@ -3,7 +3,7 @@
 use crate::flash::BANK_2;
 use crate::recording::Recording;
 use crate::soc::Soc;
-use crate::wait::{self, Waits};
+use crate::wait::{self, Literals};
 use rsemu::core::BusError;
 use rsemu::core::space::{MemAttrs, MemOps, MemResult, RomStore};
 use std::collections::HashMap;
@@ -21,7 +21,7 @@ pub(crate) struct Shared {
     pub waited: AtomicU64,
     /// Loads from flash.
     pub flash_loads: AtomicU64,
-    pub waits: Mutex<Waits>,
+    literals: Mutex<Literals>,
     /// Address of the running instruction.
     pub pc: AtomicU32,
     /// Name, value after a reset and fields of each register whose reserved bits are watched.
@@ -37,7 +37,7 @@ impl Shared {
             touched: AtomicBool::new(true),
             waited: AtomicU64::new(0),
             flash_loads: AtomicU64::new(0),
-            waits: Mutex::new(Waits::new()),
+            literals: Mutex::new(Literals::new()),
             pc: AtomicU32::new(0),
             watched: OnceLock::new(),
             recording: OnceLock::new(),
@@ -49,8 +49,9 @@ impl Shared {
         self.soc.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn waits(&self) -> MutexGuard<'_, Waits> {
-        self.waits.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Waits for loads from flash.
+    pub fn literals(&self) -> MutexGuard<'_, Literals> {
+        self.literals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Reserved bits keep their value after a reset [rm0440, "List of abbreviations for registers"]. `lanes` are the bits that a
@@ -75,14 +76,15 @@ impl Shared {
 
     /// Counts a load from bank 1 of the flash, and waits for it.
     pub fn load_from_flash(&self, address: u32) {
-        let cycles = self.waits().load(address);
-        self.flash_loads.fetch_add(1, Relaxed);
+        let cycles = self.literals().load(address);
+        self.flash_loads.store(self.flash_loads.load(Relaxed) + 1, Relaxed);
         self.wait(cycles);
     }
 
+    // only the thread that runs the core comes here
     fn wait(&self, cycles: u64) {
         if cycles > 0 {
-            self.waited.fetch_add(cycles, Relaxed);
+            self.waited.store(self.waited.load(Relaxed) + cycles, Relaxed);
         }
     }
 }

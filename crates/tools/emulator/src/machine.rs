@@ -13,7 +13,7 @@ use crate::recording::Recording;
 use crate::soc::{IRQ_ADC1_2, IRQS, Soc};
 use crate::stats::Statistics;
 use crate::svd::Register;
-use crate::wait::Waits;
+use crate::wait::{Literals, Waits};
 use crate::world::World;
 use crate::{ConverterFault, EncoderFault, Image, Injected, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
@@ -43,8 +43,8 @@ pub struct Machine {
     quick: Quick,
     /// Only rsemu executes.
     reference: bool,
-    /// Line of the flash that the core reads from.
-    line: u32,
+    /// Waits for instructions in flash.
+    waits: Waits,
     /// Cycles of rsemu since the last reset.
     slow_cycles: u64,
     /// Cycles that the core waited for memories and buses.
@@ -119,7 +119,7 @@ impl Machine {
             cycle: 1,
             quick,
             reference: false,
-            line: u32::MAX,
+            waits: Waits::new(),
             slow_cycles: 0,
             waited: 0,
             entered: None,
@@ -174,8 +174,8 @@ impl Machine {
         // unlike the chip, a reset of rsemu keeps NVIC settings and a lazy FPU context
         self.cpu = core(&self.space);
         // its cycles begin at 0 again: a line that was read ahead would be there only when they are where they were
-        *self.shared.waits() = Waits::new();
-        self.line = u32::MAX;
+        self.waits = Waits::new();
+        *self.shared.literals() = Literals::new();
         self.slow_cycles = 0;
         self.quick.reset();
         self.lines = Default::default();
@@ -334,7 +334,7 @@ impl Machine {
 
     /// Deviation of the internal oscillator, parts in 10 000: 100 is 1 %.
     pub fn set_internal_clock_error(&mut self, parts: i64) {
-        self.shared.soc().rcc.hsi_error = parts;
+        self.shared.soc().rcc.set_hsi_error(parts);
         self.shared.touched.store(true, Relaxed);
     }
 

@@ -127,6 +127,12 @@ impl Quick {
         plain && sys.mpu_ctrl & (MPU_ON | MPU_DEFAULT_MAP) != MPU_ON
     }
 
+    /// Counts cycles.
+    pub fn count(&mut self, cycles: u64) {
+        self.cycles += cycles;
+        self.uncounted += cycles;
+    }
+
     /// Gives registers and cycles to rsemu.
     pub fn give(&mut self, cpu: &ArmV7m, regs: &Regs) {
         cpu.set_regs(*regs);
@@ -222,8 +228,7 @@ impl Core<'_> {
         }
         self.regs.r[15] = next;
         self.regs.msp = self.regs.r[13];
-        self.quick.cycles += cycles;
-        self.quick.uncounted += cycles;
+        self.quick.count(cycles);
         Some((fetch, cycles))
     }
 

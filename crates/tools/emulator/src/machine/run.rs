@@ -5,12 +5,11 @@ use crate::flash::BANK_2;
 use crate::image::{CCM_BASE, CCM_END, FLASH_BASE, RAM_BASE, RAM_END, RAM_SIZE};
 use crate::quick::{self, Core};
 use crate::rcc::ResetCause;
-use crate::soc::IRQ_ADC1_2;
-use crate::units_per_cycle;
-use crate::wait::{Fetch, LINE};
+use crate::soc::{IRQ_ADC1_2, IRQS};
+use crate::wait::Fetch;
 use rsemu::core::value::{Endian, Width};
 use rsemu::cpu::arm::v7m::Regs;
-use rsemu::cpu::arm::v7m::sys::Exception;
+use rsemu::cpu::arm::v7m::sys::{Exception, Sys};
 use std::sync::atomic::Ordering::Relaxed;
 
 /// Instructions of another handler after which a pending control interrupt counts as waiting.
@@ -24,6 +23,7 @@ const EXCEPTION: u32 = 0x1ff;
 const WIDE_HINT: u16 = 0xf3af;
 /// Offset of xPSR in an exception frame.
 const FRAME_XPSR: u64 = 28;
+
 /// How a row of instructions ended.
 #[derive(Default)]
 struct Run {
@@ -39,19 +39,26 @@ impl Machine {
     pub(super) fn run_until(&mut self, end: u64, stop: impl Fn(&Self) -> bool) {
         let mut asleep = self.is_idle();
         let mut regs = self.cpu.regs();
-        // registers are newer than those of rsemu; no exception is due
-        let (mut ahead, mut calm) = (false, false);
+        // registers are newer than those of rsemu; no exception is due; nothing wakes the core
+        let (mut ahead, mut calm, mut dozes) = (false, false, false);
         while self.now < end && !stop(self) {
             if self.is_due() {
                 self.shared.touched.store(false, Relaxed);
                 let resets = self.resets.len();
-                self.attend();
+                if self.attend() {
+                    (calm, dozes) = (false, false);
+                }
                 if self.resets.len() != resets {
                     regs = self.cpu.regs();
                     ahead = false;
+                    asleep = self.is_idle();
                 }
-                asleep = self.is_idle();
-                calm = false;
+            }
+            dozes = asleep && !self.reference && (dozes || self.sleeps_on());
+            if dozes {
+                self.doze(end);
+                ahead = true;
+                continue;
             }
             calm = !asleep && !self.reference && (calm || self.is_calm(&regs));
             let run = if calm { self.quick_run(&mut regs, end, &stop) } else { Run::default() };
@@ -114,14 +121,26 @@ impl Machine {
         // a core that has locked up shows an address outside the memories
         let asleep = (may_idle || regs.r[15] >= RAM_END) && self.is_idle();
         if was_asleep && asleep {
-            // only an event can wake it
-            self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
+            self.skip_to_event(end);
         } else {
             self.now += cycles * self.cycle;
             self.watch(regs);
         }
         self.account(before, was_asleep, cycles);
         asleep
+    }
+
+    /// A cycle of a core that sleeps on, as rsemu counts it.
+    fn doze(&mut self, end: u64) {
+        let before = self.now;
+        self.quick.count(1);
+        self.skip_to_event(end);
+        self.account(before, true, 1);
+    }
+
+    /// Only an event can wake a core that sleeps.
+    fn skip_to_event(&mut self, end: u64) {
+        self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
     }
 
     /// Tells the chip when and where an instruction runs.
@@ -137,19 +156,26 @@ impl Machine {
         }
         let (lines, quick) = (&self.lines, &mut self.quick);
         self.cpu.with_sys(|sys| {
-            // as rsemu does before each instruction: a level is pending until its handler runs
-            for (irq, level) in lines {
-                let exception = Exception(irq + 16);
-                if *level && !sys.is_active(exception) {
-                    sys.set_pending(exception, true);
-                }
-            }
+            latch(lines, sys);
             // can_run allows no other mask
             let running = if regs.primask { sys.active_priority().min(0) } else { sys.active_priority() };
             quick.can_run(sys, regs) && sys.highest_pending().is_none_or(|(_, priority)| priority >= running)
         })
     }
 
+    /// Whether a core that is idle does nothing but count a cycle next, unseen by a recording.
+    fn sleeps_on(&self) -> bool {
+        self.quick.started
+            && self.shared.recording.get().is_none()
+            && !self.cpu.nmi_asserted()
+            && !self.cpu.is_locked_up()
+            && self.cpu.with_sys(|sys| {
+                latch(&self.lines, sys);
+                sys.syst_csr & 1 == 0 && !sys.reset_requested && sys.highest_pending().is_none()
+            })
+    }
+
+    #[inline(always)]
     fn quick_core<'a>(&'a mut self, regs: &'a mut Regs) -> Core<'a> {
         Core {
             quick: &mut self.quick,
@@ -164,6 +190,7 @@ impl Machine {
     }
 
     /// One instruction of the quick core, if it knows it: how it was fetched, and its cycles.
+    #[inline(always)]
     fn quick_step(&mut self, regs: &mut Regs) -> Option<(Fetch, u64)> {
         if self.shared.recording.get().is_none() {
             return self.quick_core(regs).step();
@@ -215,20 +242,12 @@ impl Machine {
 
     /// Cycles that the instruction at an address has waited, with its loads and stores; counted.
     fn waits(&mut self, pc: u32, fetch: Fetch) -> u64 {
-        let of_bus =
-            if self.shared.waited.load(Relaxed) == 0 { 0 } else { self.shared.waited.swap(0, Relaxed) };
+        let of_bus = self.shared.waited.load(Relaxed);
+        if of_bus != 0 {
+            self.shared.waited.store(0, Relaxed);
+        }
         let of_code = match pc {
-            FLASH_BASE..BANK_2 => {
-                let bytes = fetch.bytes;
-                if pc / LINE == self.line && (pc + bytes - 1) / LINE == self.line {
-                    0
-                } else {
-                    let mut waits = self.shared.waits();
-                    let wait = waits.fetch(pc, bytes, self.cycles());
-                    self.line = waits.current();
-                    wait
-                }
-            }
+            FLASH_BASE..BANK_2 => self.waits.fetch(pc, fetch.bytes, self.cycles()),
             CCM_BASE..CCM_END => u64::from(fetch.literal),
             _ => 0,
         };
@@ -277,8 +296,8 @@ impl Machine {
         }
     }
 
-    /// Updates the chip and passes its interrupts to the core.
-    fn attend(&mut self) {
+    /// Updates the chip and passes its interrupts to the core. Whether the core may do something else than before.
+    fn attend(&mut self) -> bool {
         let mut soc = self.shared.soc();
         soc.advance(self.now);
         let lines = soc.interrupts();
@@ -290,10 +309,14 @@ impl Machine {
                 self.control_pending = level;
             }
         }
+        let changed = lines != self.lines;
         self.lines = lines;
-        self.cycle = units_per_cycle(soc.rcc.hclk());
+        self.cycle = soc.rcc.units_per_cycle();
         self.next = soc.next_event();
-        self.shared.waits().set(soc.flash.acr());
+        let acr = soc.flash.acr();
+        if self.waits.set(acr) {
+            self.shared.literals().set(acr);
+        }
         let due = soc.watchdog_due(self.now);
         let nmi = std::mem::take(&mut soc.flash.nmi) | std::mem::take(&mut soc.rcc.nmi);
         let power_lost = soc.flash.power_lost;
@@ -311,7 +334,10 @@ impl Machine {
             self.reset(ResetCause::PowerOn);
         } else if due {
             self.reset(ResetCause::Watchdog);
+        } else {
+            return changed || nmi;
         }
+        true
     }
 
     /// Looks at what an instruction has changed.
@@ -372,6 +398,16 @@ impl Machine {
                 stats.step_flash_loads = stats.step_flash_loads.max(loads);
             }
             _ => {}
+        }
+    }
+}
+
+/// Does what rsemu does before each instruction: a level is pending until its handler runs.
+fn latch(lines: &[(u16, bool); IRQS], sys: &mut Sys) {
+    for (irq, level) in lines {
+        let exception = Exception(irq + 16);
+        if *level && !sys.is_active(exception) {
+            sys.set_pending(exception, true);
         }
     }
 }
