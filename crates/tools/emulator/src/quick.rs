@@ -5,7 +5,7 @@
 //! peripherals, exclusive accesses, faults, and every operation on floats whose flags a host does not show.
 
 use crate::alu::{alu, is_normal_or_zero, on_host, product_signs, shift_imm, shift_reg};
-use crate::bus::Shared;
+use crate::bus::{PERIPHERALS, PERIPHERALS_END, Shared};
 use crate::code::{Code, Decoded};
 use crate::flash::BANK_2;
 use crate::image::{CCM_BASE, CCM_END, FLASH_BASE, RAM_BASE, RAM_END};
@@ -295,6 +295,11 @@ impl Core<'_> {
                 Ok(value)
             }
             _ if is_aliased(address) => return None,
+            PERIPHERALS..PERIPHERALS_END => {
+                let mut data = [0; 4];
+                self.shared.load(address, &mut data[..bytes as usize]);
+                Ok(u64::from(u32::from_le_bytes(data)))
+            }
             _ => self.space.read(u64::from(address), width, MemAttrs::DEFAULT.with_privileged(true)),
         };
         value.ok().map(|value| value as u32)
@@ -314,6 +319,10 @@ impl Core<'_> {
                 self.ccm.write_value(u64::from(address - CCM_BASE), width, value, Endian::Little)
             }
             _ if address & (bytes - 1) != 0 || is_aliased(address) => return None,
+            PERIPHERALS..PERIPHERALS_END => {
+                self.shared.store(address, &value.to_le_bytes()[..bytes as usize]);
+                Ok(())
+            }
             _ => self.space.write(u64::from(address), width, value, MemAttrs::DEFAULT.with_privileged(true)),
         };
         stored.ok()
@@ -340,9 +349,9 @@ impl Core<'_> {
                     }
                 }
                 if s && (flags || op.is_test()) {
-                    self.set_nz(result);
-                    self.set_flag(C, c);
-                    self.set_flag(V, v);
+                    let others = self.regs.xpsr & !(N | Z | C | V);
+                    let zero = if result == 0 { Z } else { 0 };
+                    self.regs.xpsr = others | result & N | zero | u32::from(c) * C | u32::from(v) * V;
                 }
                 Some(branch)
             }

@@ -1,6 +1,7 @@
 //! The quick core beside rsemu's: one instruction, the same state before, the same after.
 
 use super::*;
+use crate::bus::Window;
 use crate::code;
 use crate::image::{CCM_SIZE, RAM_SIZE};
 use crate::random::Random;
@@ -25,7 +26,7 @@ struct Pair {
     ccms: [Arc<RamStore>; 2],
     spaces: [Arc<AddressSpace>; 2],
     bank_1: Arc<RomStore>,
-    shared: Shared,
+    shared: [Arc<Shared>; 2],
 }
 
 impl Pair {
@@ -34,6 +35,11 @@ impl Pair {
         let bank_1 = Arc::new(RomStore::new(flash));
         let rams = [(); 2].map(|()| Arc::new(RamStore::new(u64::from(RAM_SIZE))));
         let ccms = [(); 2].map(|()| Arc::new(code::ccm_store()));
+        let shared = [(); 2].map(|()| {
+            let law = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+            let world = World::new(RigConfig::free_handle(), law, 1).expect("the default rig");
+            Arc::new(Shared::new(Soc::new(world)))
+        });
         let spaces = [0, 1].map(|k| {
             let space = AddressSpace::new("cpu", 32);
             let mut map = space.topology();
@@ -44,6 +50,10 @@ impl Pair {
             ] {
                 map.map(region, u64::from(base)).expect("no overlap");
             }
+            let window = Window { shared: Arc::clone(&shared[k]), base: PERIPHERALS };
+            let bytes = u64::from(PERIPHERALS_END - PERIPHERALS);
+            map.map(Region::io("peripherals", bytes, Arc::new(window)), u64::from(PERIPHERALS))
+                .expect("no overlap");
             drop(map);
             Arc::new(space)
         });
@@ -62,11 +72,9 @@ impl Pair {
             });
             cpu
         });
-        let law = friction::Custom(|_: &friction::Motion<f64>| 0.0);
-        let world = World::new(RigConfig::free_handle(), law, 1).expect("the default rig");
         let mut quick = Quick::new(0);
         quick.started = true;
-        Self { quick, cpus, rams, ccms, spaces, bank_1, shared: Shared::new(Soc::new(world)) }
+        Self { quick, cpus, rams, ccms, spaces, bank_1, shared }
     }
 
     fn write(&self, address: u32, bytes: &[u8]) {
@@ -104,7 +112,7 @@ impl Pair {
             ram: &self.rams[0],
             ccm: &self.ccms[0],
             space: &self.spaces[0],
-            shared: &self.shared,
+            shared: &self.shared[0],
         };
         let Some((fetch, cycles)) = core.step() else {
             assert_eq!((after, self.quick.floats_changed), (regs, 0), "{halves:x?} half done");
@@ -157,8 +165,15 @@ fn value(random: &mut Random) -> u32 {
         7 => RAM_BASE + RAM_SIZE - 64 + bits % 72,
         8 => (CCM_BASE + 0x800 + bits % 0x1000) & !3,
         9 => (FLASH_BASE + bits % FLASH_BYTES as u32) & !3,
+        10 => peripheral(bits),
         _ => bits,
     }
+}
+
+/// A register of a peripheral, mostly of one that is modelled.
+fn peripheral(bits: u32) -> u32 {
+    let bases = [0x4000_0000, 0x4000_8000, 0x4002_0000, 0x4800_0000, 0x5000_0000];
+    bases[bits as usize % bases.len()] + (bits >> 8 & 0x1ffc)
 }
 
 /// Floats of all kinds: of like size mostly, so that sums cancel.

@@ -298,7 +298,7 @@ impl Machine {
 
     /// Updates the chip and passes its interrupts to the core. Whether the core may do something else than before.
     fn attend(&mut self) -> bool {
-        let mut soc = self.shared.soc();
+        let mut soc = self.shared.running();
         soc.advance(self.now);
         let lines = soc.interrupts();
         for ((irq, level), told) in lines.into_iter().zip(self.lines) {
@@ -376,7 +376,7 @@ impl Machine {
                 "the control interrupt waits for interrupt {}: its priority is too low",
                 exception - 16
             );
-            self.shared.soc().violations.insert(why);
+            self.shared.running().violations.insert(why);
         }
     }
 
@@ -393,7 +393,7 @@ impl Machine {
                 self.entered = None;
                 let cycles = self.cycles() - at;
                 let loads = self.shared.flash_loads.load(Relaxed) - self.loads_at_entry;
-                let stats = &mut self.shared.soc().stats;
+                let stats = &mut self.shared.running().stats;
                 stats.step_cycles.add(cycles as f64);
                 stats.step_flash_loads = stats.step_flash_loads.max(loads);
             }
