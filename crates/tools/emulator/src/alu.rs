@@ -57,6 +57,7 @@ pub(crate) fn is_normal_or_zero(bits: u32) -> bool {
     bits << 1 == 0 || (1..255).contains(&(bits >> 23 & 0xff))
 }
 
+#[inline(always)]
 pub(crate) fn shift_imm(shift: Shift, value: u32, carry: bool) -> (u32, bool) {
     match shift.ty {
         ShiftType::Rrx => (u32::from(carry) << 31 | value >> 1, value & 1 != 0),
@@ -85,6 +86,7 @@ pub(crate) fn shift_reg(ty: ShiftType, value: u32, amount: u32, carry: bool) -> 
 }
 
 /// Result, carry and overflow.
+#[inline(always)]
 pub(crate) fn alu(op: DpOp, a: u32, b: u32, carry: bool, shifted_out: bool, v: bool) -> (u32, bool, bool) {
     let add = |a: u32, b: u32, carry: bool| {
         let wide = u64::from(a) + u64::from(b) + u64::from(carry);

@@ -351,7 +351,7 @@ impl Core<'_> {
                 if s && (flags || op.is_test()) {
                     let others = self.regs.xpsr & !(N | Z | C | V);
                     let zero = if result == 0 { Z } else { 0 };
-                    self.regs.xpsr = others | result & N | zero | u32::from(c) * C | u32::from(v) * V;
+                    self.regs.xpsr = others | result & N | zero | (u32::from(c) * C) | (u32::from(v) * V);
                 }
                 Some(branch)
             }

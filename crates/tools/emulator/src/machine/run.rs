@@ -241,6 +241,7 @@ impl Machine {
     }
 
     /// Cycles that the instruction at an address has waited, with its loads and stores; counted.
+    #[inline(always)]
     fn waits(&mut self, pc: u32, fetch: Fetch) -> u64 {
         let of_bus = self.shared.waited.load(Relaxed);
         if of_bus != 0 {
