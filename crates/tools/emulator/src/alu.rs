@@ -13,6 +13,11 @@ pub(crate) fn on_host(status: u32, op: DataOp, a: u32, b: u32, c: u32) -> Option
     if status & plain != fpscr::IXC || !is_normal_or_zero(b) || !is_normal_or_zero(c) {
         return None;
     }
+    if let DataOp::Mla | DataOp::Mls | DataOp::Nmla | DataOp::Nmls = op {
+        let product = on_host(status, DataOp::Mul, a, b, c)?;
+        let (a_sign, product_sign) = product_signs(op);
+        return on_host(status, DataOp::Add, a, a ^ a_sign, product ^ product_sign);
+    }
     let [x, y, z] = [a, b, c].map(f32::from_bits);
     let result = match op {
         DataOp::Add => y + z,
@@ -38,10 +43,21 @@ pub(crate) fn on_host(status: u32, op: DataOp, a: u32, b: u32, c: u32) -> Option
     ((2..255).contains(&(result >> 23 & 0xff)) || exact_zero).then_some(result)
 }
 
+/// Sign bits that a sum with a product, rounded twice, flips: of the addend, and of the product.
+pub(crate) fn product_signs(op: DataOp) -> (u32, u32) {
+    match op {
+        DataOp::Mls => (0, NEGATIVE),
+        DataOp::Nmla => (NEGATIVE, NEGATIVE),
+        DataOp::Nmls => (NEGATIVE, 0),
+        _ => (0, 0),
+    }
+}
+
 pub(crate) fn is_normal_or_zero(bits: u32) -> bool {
     bits << 1 == 0 || (1..255).contains(&(bits >> 23 & 0xff))
 }
 
+#[inline(always)]
 pub(crate) fn shift_imm(shift: Shift, value: u32, carry: bool) -> (u32, bool) {
     match shift.ty {
         ShiftType::Rrx => (u32::from(carry) << 31 | value >> 1, value & 1 != 0),
@@ -70,6 +86,7 @@ pub(crate) fn shift_reg(ty: ShiftType, value: u32, amount: u32, carry: bool) -> 
 }
 
 /// Result, carry and overflow.
+#[inline(always)]
 pub(crate) fn alu(op: DpOp, a: u32, b: u32, carry: bool, shifted_out: bool, v: bool) -> (u32, bool, bool) {
     let add = |a: u32, b: u32, carry: bool| {
         let wide = u64::from(a) + u64::from(b) + u64::from(carry);

@@ -3,12 +3,16 @@
 use crate::flash::BANK_2;
 use crate::recording::Recording;
 use crate::soc::Soc;
-use crate::wait::{self, Waits};
+use crate::wait::{self, Literals};
 use rsemu::core::BusError;
 use rsemu::core::space::{MemAttrs, MemOps, MemResult, RomStore};
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// The address space of the peripherals, without those of the core.
+pub(crate) const PERIPHERALS: u32 = 0x4000_0000;
+pub(crate) const PERIPHERALS_END: u32 = 0x6000_0000;
 
 /// State shared by core and chip.
 #[derive(Debug)]
@@ -21,7 +25,7 @@ pub(crate) struct Shared {
     pub waited: AtomicU64,
     /// Loads from flash.
     pub flash_loads: AtomicU64,
-    pub waits: Mutex<Waits>,
+    literals: Mutex<Literals>,
     /// Address of the running instruction.
     pub pc: AtomicU32,
     /// Name, value after a reset and fields of each register whose reserved bits are watched.
@@ -37,7 +41,7 @@ impl Shared {
             touched: AtomicBool::new(true),
             waited: AtomicU64::new(0),
             flash_loads: AtomicU64::new(0),
-            waits: Mutex::new(Waits::new()),
+            literals: Mutex::new(Literals::new()),
             pc: AtomicU32::new(0),
             watched: OnceLock::new(),
             recording: OnceLock::new(),
@@ -45,12 +49,21 @@ impl Shared {
         }
     }
 
+    /// The chip, for a change from outside.
     pub fn soc(&self) -> MutexGuard<'_, Soc> {
+        let mut soc = self.running();
+        soc.forget_next_event();
+        soc
+    }
+
+    /// The chip, for what it does on its own: reads, writes and the course of time.
+    pub fn running(&self) -> MutexGuard<'_, Soc> {
         self.soc.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn waits(&self) -> MutexGuard<'_, Waits> {
-        self.waits.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Waits for loads from flash.
+    pub fn literals(&self) -> MutexGuard<'_, Literals> {
+        self.literals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Reserved bits keep their value after a reset [rm0440, "List of abbreviations for registers"]. `lanes` are the bits that a
@@ -70,19 +83,52 @@ impl Shared {
             }
             None => format!("{word:#x} written to {address:#x}, which is no register, at pc {pc:#x}"),
         };
-        self.soc().violations.insert(why);
+        self.running().violations.insert(why);
     }
 
     /// Counts a load from bank 1 of the flash, and waits for it.
     pub fn load_from_flash(&self, address: u32) {
-        let cycles = self.waits().load(address);
-        self.flash_loads.fetch_add(1, Relaxed);
+        let cycles = self.literals().load(address);
+        self.flash_loads.store(self.flash_loads.load(Relaxed) + 1, Relaxed);
         self.wait(cycles);
     }
 
+    /// Loads from a peripheral.
+    pub fn load(&self, address: u32, data: &mut [u8]) {
+        self.wait(wait::bus(address).0);
+        let word = self.running().read(address & !3, self.now.load(Relaxed));
+        let bytes = (word >> (8 * (address & 3))).to_le_bytes();
+        for (to, from) in data.iter_mut().zip(bytes) {
+            *to = from;
+        }
+        if let Some(recording) = self.recording.get() {
+            recording.read(address, data);
+        }
+        self.touched.store(true, Relaxed);
+    }
+
+    /// Stores to a peripheral.
+    pub fn store(&self, address: u32, data: &[u8]) {
+        self.wait(wait::bus(address).1);
+        if let Some(recording) = self.recording.get() {
+            recording.write(address, data);
+        }
+        let mut bytes = [0; 4];
+        for (to, from) in bytes.iter_mut().zip(data) {
+            *to = *from;
+        }
+        // peripherals take a narrow store as the register's low part, zero extended
+        let word = u32::from_le_bytes(bytes) << (8 * (address & 3));
+        let lanes = (u64::MAX >> (64 - 8 * data.len().clamp(1, 4))) as u32;
+        self.watch_reserved(address & !3, word, lanes << (8 * (address & 3)));
+        self.running().write(address & !3, word, self.now.load(Relaxed));
+        self.touched.store(true, Relaxed);
+    }
+
+    // only the thread that runs the core comes here
     fn wait(&self, cycles: u64) {
         if cycles > 0 {
-            self.waited.fetch_add(cycles, Relaxed);
+            self.waited.store(self.waited.load(Relaxed) + cycles, Relaxed);
         }
     }
 }
@@ -96,36 +142,12 @@ pub(crate) struct Window {
 
 impl MemOps for Window {
     fn read(&self, offset: u64, data: &mut [u8], _: MemAttrs) -> MemResult {
-        let address = self.base + offset as u32;
-        self.shared.wait(wait::bus(address).0);
-        let word = self.shared.soc().read(address & !3, self.shared.now.load(Relaxed));
-        let bytes = (word >> (8 * (address & 3))).to_le_bytes();
-        for (to, from) in data.iter_mut().zip(bytes) {
-            *to = from;
-        }
-        if let Some(recording) = self.shared.recording.get() {
-            recording.read(address, data);
-        }
-        self.shared.touched.store(true, Relaxed);
+        self.shared.load(self.base + offset as u32, data);
         Ok(())
     }
 
     fn write(&self, offset: u64, data: &[u8], _: MemAttrs) -> MemResult {
-        let address = self.base + offset as u32;
-        self.shared.wait(wait::bus(address).1);
-        if let Some(recording) = self.shared.recording.get() {
-            recording.write(address, data);
-        }
-        let mut bytes = [0; 4];
-        for (to, from) in bytes.iter_mut().zip(data) {
-            *to = *from;
-        }
-        // peripherals take a narrow store as the register's low part, zero extended
-        let word = u32::from_le_bytes(bytes) << (8 * (address & 3));
-        let lanes = (u64::MAX >> (64 - 8 * data.len().clamp(1, 4))) as u32;
-        self.shared.watch_reserved(address & !3, word, lanes << (8 * (address & 3)));
-        self.shared.soc().write(address & !3, word, self.shared.now.load(Relaxed));
-        self.shared.touched.store(true, Relaxed);
+        self.shared.store(self.base + offset as u32, data);
         Ok(())
     }
 }
@@ -158,7 +180,7 @@ pub(crate) struct Bank2(pub Arc<Shared>);
 
 impl Bank2 {
     fn with(&self, access: impl FnOnce(&mut Soc, u64)) -> MemResult {
-        let mut soc = self.0.soc();
+        let mut soc = self.0.running();
         access(&mut soc, self.0.now.load(Relaxed));
         let violation = soc.flash.violation.take();
         soc.violations.extend(violation);

@@ -46,6 +46,7 @@ mod ads131m02;
 mod alu;
 pub mod block;
 mod bus;
+mod code;
 mod dac;
 mod dma;
 pub mod firmware;

@@ -171,8 +171,8 @@ impl Lpuart {
     }
 
     pub fn next_event(&self) -> u64 {
-        let sent = self.sending.map(|(at, _)| at);
-        [sent, self.arrival, self.idle_at].into_iter().flatten().min().unwrap_or(u64::MAX)
+        let sent = self.sending.map_or(u64::MAX, |(at, _)| at);
+        sent.min(self.arrival.unwrap_or(u64::MAX)).min(self.idle_at.unwrap_or(u64::MAX))
     }
 
     pub fn interrupt(&mut self) -> bool {

@@ -1,45 +1,31 @@
 //! Core, memories, chip and rig, in virtual time.
 
+mod run;
+
 use crate::bus::{Bank1, Bank2, Shared, Window};
+use crate::code;
 use crate::flash::{BANK_2, BANK_BYTES};
-use crate::image::{
-    CCM_BASE, CCM_END, CCM_SIZE, FLASH_BASE, RAM_BASE, RAM_END, RAM_SIZE, SYSTEM_BASE, SYSTEM_SIZE,
-    system_memory,
-};
+use crate::image::{CCM_BASE, FLASH_BASE, RAM_BASE, RAM_SIZE, SYSTEM_BASE, SYSTEM_SIZE, system_memory};
 use crate::inject::{Injector, Pulses};
-use crate::quick::{self, Core, Quick};
+use crate::quick::Quick;
 use crate::rcc::ResetCause;
 use crate::recording::Recording;
 use crate::soc::{IRQ_ADC1_2, IRQS, Soc};
 use crate::stats::Statistics;
 use crate::svd::Register;
-use crate::wait::{LINE, Waits, loads_literal};
+use crate::wait::{Literals, Waits};
 use crate::world::World;
 use crate::{ConverterFault, EncoderFault, Image, Injected, UNITS_PER_MS, units_per_cycle};
 use friction::FrictionLaw;
 use plant::{Bench, Hand, RigConfig, Truth, Wiring};
 use rsemu::core::space::{AddressSpace, DispatchPolicy, RamStore, Region, RomStore};
-use rsemu::core::value::{Endian, Width};
-use rsemu::cpu::arm::v7m::sys::Exception;
-use rsemu::cpu::arm::v7m::{ArmV7m, Config, Regs};
+use rsemu::cpu::arm::v7m::{ArmV7m, Config};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 /// Content of RAM before power-on, which shows the depth of the stack.
 const PAINT: u8 = 0xc5;
-
-/// Instructions of another handler after which a pending control interrupt counts as waiting.
-const HELD_UP: u32 = 4;
-
-/// Bits of ITSTATE in xPSR.
-const IT_STATE: u32 = 0x0600_fc00;
-/// Where xPSR keeps the number of the exception.
-const EXCEPTION: u32 = 0x1ff;
-/// First half of WFE.W, WFI.W and the other hints of 32 bits.
-const WIDE_HINT: u16 = 0xf3af;
-/// Offset of xPSR in an exception frame.
-const FRAME_XPSR: u64 = 28;
 
 /// A board with its rig.
 pub struct Machine {
@@ -57,8 +43,10 @@ pub struct Machine {
     quick: Quick,
     /// Only rsemu executes.
     reference: bool,
-    /// Line of the flash that the core reads from.
-    line: u32,
+    /// Waits for instructions in flash.
+    waits: Waits,
+    /// Cycles of rsemu since the last reset.
+    slow_cycles: u64,
     /// Cycles that the core waited for memories and buses.
     waited: u64,
     /// Cycle count at entry of the running control interrupt.
@@ -115,7 +103,7 @@ impl Machine {
         let quick = Quick::new(code_bytes.max().unwrap_or(0).min(BANK_BYTES));
         shared.soc().dma.attach(Arc::clone(&ram));
         let bank_1 = Arc::new(RomStore::new(bank_1));
-        let ccm = Arc::new(RamStore::new(u64::from(CCM_SIZE)));
+        let ccm = Arc::new(code::ccm_store());
         let space = Arc::new(address_space(&shared, Arc::clone(&bank_1), Arc::clone(&ram), Arc::clone(&ccm)));
         Ok(Self {
             cpu: core(&space),
@@ -131,7 +119,8 @@ impl Machine {
             cycle: 1,
             quick,
             reference: false,
-            line: u32::MAX,
+            waits: Waits::new(),
+            slow_cycles: 0,
             waited: 0,
             entered: None,
             loads_at_entry: 0,
@@ -174,305 +163,9 @@ impl Machine {
         false
     }
 
-    // Each question to the core takes a lock, which costs as much as an instruction: one a step, and the rest only
-    // where the answer can have changed.
-    fn run_until(&mut self, end: u64, stop: impl Fn(&Self) -> bool) {
-        let mut asleep = self.is_idle();
-        let mut regs = self.cpu.regs();
-        // registers are newer than those of rsemu; no exception is due
-        let (mut ahead, mut calm) = (false, false);
-        while self.now < end && !stop(self) {
-            if self.now >= self.next || self.shared.touched.load(Relaxed) {
-                self.shared.touched.store(false, Relaxed);
-                let resets = self.resets.len();
-                self.attend();
-                if self.resets.len() != resets {
-                    regs = self.cpu.regs();
-                    ahead = false;
-                }
-                asleep = self.is_idle();
-                calm = false;
-            }
-            self.shared.now.store(self.now, Relaxed);
-            let before = self.now;
-            let was_asleep = asleep;
-            let pc = regs.r[15];
-            self.shared.pc.store(pc, Relaxed);
-            calm = !was_asleep && !self.reference && (calm || self.is_calm(&regs));
-            let quick = if calm { self.quick_step(&mut regs) } else { None };
-            let (first, mut cycles) = if let Some((first, cycles)) = quick {
-                ahead = true;
-                calm = !std::mem::take(&mut self.quick.masked);
-                (Some(first), cycles)
-            } else {
-                let first = if was_asleep { None } else { self.first_half(pc) };
-                let cycles = self.slow_step(&mut regs, ahead, calm);
-                (ahead, calm) = (false, false);
-                (first, cycles)
-            };
-            let may_idle = matches!(first, None | Some(0xbf20 | 0xbf30 | WIDE_HINT));
-            if let Some(first) = first {
-                let wait = self.waits(pc, first);
-                self.waited += wait;
-                cycles += wait;
-            }
-            // a core that has locked up shows an address outside the memories
-            asleep = (may_idle || regs.r[15] >= RAM_END) && self.is_idle();
-            if was_asleep && asleep {
-                // only an event can wake it
-                self.now = self.next.clamp(self.now + self.cycle, end.max(self.now + self.cycle));
-            } else {
-                self.now += cycles * self.cycle;
-                self.watch_control(&regs);
-                self.watch_priority(&regs);
-            }
-            self.account(before, was_asleep, cycles);
-        }
-        if ahead {
-            self.quick.give(&self.cpu, &regs);
-        }
-        self.quick.give_floats(&self.cpu);
-    }
-
     /// Disables the quick core: rsemu executes everything. Slower, with the same result.
     pub fn set_reference(&mut self, reference: bool) {
         self.reference = reference;
-    }
-
-    /// Whether the core would execute an instruction next, not take an exception, with settings that the quick core knows.
-    fn is_calm(&mut self, regs: &Regs) -> bool {
-        if self.cpu.nmi_asserted() {
-            return false;
-        }
-        let (lines, quick) = (&self.lines, &mut self.quick);
-        self.cpu.with_sys(|sys| {
-            // as rsemu does before each instruction: a level is pending until its handler runs
-            for (irq, level) in lines {
-                let exception = Exception(irq + 16);
-                if *level && !sys.is_active(exception) {
-                    sys.set_pending(exception, true);
-                }
-            }
-            // can_run allows no other mask
-            let running = if regs.primask { sys.active_priority().min(0) } else { sys.active_priority() };
-            quick.can_run(sys, regs) && sys.highest_pending().is_none_or(|(_, priority)| priority >= running)
-        })
-    }
-
-    fn quick_core<'a>(&'a mut self, regs: &'a mut Regs) -> Core<'a> {
-        Core {
-            quick: &mut self.quick,
-            regs,
-            cpu: &self.cpu,
-            bank_1: &self.bank_1,
-            ram: &self.ram,
-            ccm: &self.ccm,
-            space: &self.space,
-            shared: &self.shared,
-        }
-    }
-
-    /// One instruction of the quick core, if it knows it: its first half-word and its cycles.
-    fn quick_step(&mut self, regs: &mut Regs) -> Option<(u16, u64)> {
-        if self.shared.recording.get().is_none() {
-            return self.quick_core(regs).step();
-        }
-        let before = *regs;
-        let stepped = self.quick_core(regs).step()?;
-        if let Some(recording) = self.shared.recording.get() {
-            recording.step(&before, regs, [false; 2], |exception| self.image.vector(exception));
-        }
-        Some(stepped)
-    }
-
-    /// One step of rsemu. `ahead`: its registers are old; `calm`: no exception is due.
-    fn slow_step(&mut self, regs: &mut Regs, ahead: bool, calm: bool) -> u64 {
-        let keeps = calm && quick::without_floats(self.quick_core(regs).next());
-        if ahead {
-            self.quick.give(&self.cpu, regs);
-        }
-        if !keeps {
-            self.quick.give_floats(&self.cpu);
-            self.quick.forget_floats();
-        }
-        let cycles = self.step(regs);
-        self.quick.started = true;
-        cycles
-    }
-
-    /// Whether the core sleeps, or is locked up after a nested fault.
-    fn is_idle(&self) -> bool {
-        self.cpu.is_asleep() || self.cpu.is_locked_up()
-    }
-
-    /// First half-word of the instruction at an address; none outside the memories.
-    fn first_half(&self, pc: u32) -> Option<u16> {
-        let read = |at| self.bank_1.read_value(at, Width::U16, Endian::Little).ok();
-        let first = match pc {
-            FLASH_BASE..BANK_2 => read(u64::from(pc - FLASH_BASE)),
-            CCM_BASE..CCM_END => {
-                self.ccm.read_value(u64::from(pc - CCM_BASE), Width::U16, Endian::Little).ok()
-            }
-            RAM_BASE..RAM_END => {
-                self.ram.read_value(u64::from(pc - RAM_BASE), Width::U16, Endian::Little).ok()
-            }
-            _ => None,
-        };
-        first.map(|first| first as u16)
-    }
-
-    /// Cycles that the instruction at an address has waited, with its loads and stores.
-    fn waits(&mut self, pc: u32, first: u16) -> u64 {
-        let of_bus =
-            if self.shared.waited.load(Relaxed) == 0 { 0 } else { self.shared.waited.swap(0, Relaxed) };
-        let of_code = match pc {
-            FLASH_BASE..BANK_2 => {
-                let bytes = if first >> 11 < 0b11101 { 2 } else { 4 };
-                if pc / LINE == self.line && (pc + bytes - 1) / LINE == self.line {
-                    0
-                } else {
-                    let mut waits = self.shared.waits();
-                    let wait = waits.fetch(pc, bytes, self.cycles());
-                    self.line = waits.current();
-                    wait
-                }
-            }
-            CCM_BASE..CCM_END => u64::from(loads_literal(first)),
-            _ => 0,
-        };
-        of_bus + of_code
-    }
-
-    /// Core cycles since the start, with those that it waited.
-    fn cycles(&self) -> u64 {
-        self.cpu.cycles() + self.quick.cycles + self.waited
-    }
-
-    /// One instruction, or the entry of one exception; `regs` are those before it, and then those after.
-    ///
-    /// rsemu 0.0.7 stacks xPSR without ITSTATE: after an interrupt within an IT block the rest of the block would run
-    /// whatever its condition. A core keeps it [armv7-m, ch. B1.5.6], so it is restored in the frame here.
-    fn step(&mut self, regs: &mut Regs) -> u64 {
-        let before = std::mem::take(regs);
-        let records = self.shared.recording.get().is_some();
-        let slept = records && self.cpu.is_asleep();
-        let cycles = self.cpu.step();
-        *regs = self.cpu.regs();
-        if let Some(recording) = self.shared.recording.get() {
-            recording
-                .step(&before, regs, [slept, self.cpu.is_asleep()], |exception| self.image.vector(exception));
-        }
-        let it = before.xpsr & IT_STATE;
-        if it != 0 && regs.msp < before.msp && (regs.xpsr ^ before.xpsr) & EXCEPTION != 0 {
-            let at = u64::from(regs.msp.wrapping_sub(RAM_BASE)) + FRAME_XPSR;
-            let mut word = [0; 4];
-            if self.ram.read_at(at, &mut word).is_ok() {
-                let _ = self.ram.write_at(at, &(u32::from_le_bytes(word) | it).to_le_bytes());
-            }
-        }
-        cycles
-    }
-
-    fn account(&mut self, before: u64, asleep: bool, cycles: u64) {
-        let elapsed = self.now - before;
-        self.elapsed += elapsed;
-        if asleep {
-            self.asleep += elapsed;
-        } else {
-            self.busy_cycles += cycles;
-        }
-    }
-
-    /// Updates the chip and passes its interrupts to the core.
-    fn attend(&mut self) {
-        let mut soc = self.shared.soc();
-        soc.advance(self.now);
-        let lines = soc.interrupts();
-        for ((irq, level), told) in lines.into_iter().zip(self.lines) {
-            if (irq, level) != told {
-                self.cpu.set_irq(irq, level);
-            }
-            if irq == IRQ_ADC1_2 {
-                self.control_pending = level;
-            }
-        }
-        self.lines = lines;
-        self.cycle = units_per_cycle(soc.rcc.hclk());
-        self.next = soc.next_event();
-        self.shared.waits().set(soc.flash.acr());
-        let due = soc.watchdog_due(self.now);
-        let nmi = std::mem::take(&mut soc.flash.nmi) | std::mem::take(&mut soc.rcc.nmi);
-        let power_lost = soc.flash.power_lost;
-        drop(soc);
-        // a pulse: rsemu would take a level again until the handler clears it
-        self.cpu.set_nmi(nmi);
-        if nmi {
-            self.shared.touched.store(true, Relaxed);
-        }
-        if self.cpu.reset_requested() {
-            self.cpu.clear_reset_request();
-            self.reset(ResetCause::Software);
-        } else if power_lost {
-            let _ = self.ram.fill(0, u64::from(RAM_SIZE), PAINT);
-            self.reset(ResetCause::PowerOn);
-        } else if due {
-            self.reset(ResetCause::Watchdog);
-        }
-    }
-
-    /// Priority of what runs, with these registers.
-    fn execution_priority(&self, regs: &Regs) -> i32 {
-        let masked = match (regs.primask, regs.faultmask) {
-            (_, true) => -1,
-            (true, false) => 0,
-            _ => i32::MAX,
-        };
-        self.cpu.with_sys(|sys| {
-            let base = match regs.basepri {
-                0 => i32::MAX,
-                base => i32::from(base & sys.group_mask()),
-            };
-            sys.active_priority().min(masked).min(base)
-        })
-    }
-
-    /// A pending control interrupt preempts every handler, unless a critical section masks it.
-    fn watch_priority(&mut self, regs: &Regs) {
-        if !self.control_pending || self.entered.is_some() {
-            self.held_up = 0;
-            return;
-        }
-        let exception = (regs.xpsr & EXCEPTION) as u16;
-        let waits = exception > 15 && exception != 16 + IRQ_ADC1_2 && self.execution_priority(regs) > 0;
-        self.held_up = if waits { self.held_up + 1 } else { 0 };
-        if self.held_up == HELD_UP {
-            let why = format!(
-                "the control interrupt waits for interrupt {}: its priority is too low",
-                exception - 16
-            );
-            self.shared.soc().violations.insert(why);
-        }
-    }
-
-    /// Measures the cycles of the control interrupt, from its first instruction to its return.
-    fn watch_control(&mut self, regs: &Regs) {
-        match self.entered {
-            None if self.control_pending && regs.r[15] == self.handler => {
-                self.entered = Some(self.cycles());
-                self.loads_at_entry = self.shared.flash_loads.load(Relaxed);
-                self.waited += self.control_delay;
-                self.now += self.control_delay * self.cycle;
-            }
-            Some(at) if regs.xpsr & EXCEPTION != 16 + u32::from(IRQ_ADC1_2) => {
-                self.entered = None;
-                let cycles = self.cycles() - at;
-                let loads = self.shared.flash_loads.load(Relaxed) - self.loads_at_entry;
-                let stats = &mut self.shared.soc().stats;
-                stats.step_cycles.add(cycles as f64);
-                stats.step_flash_loads = stats.step_flash_loads.max(loads);
-            }
-            _ => {}
-        }
     }
 
     fn reset(&mut self, cause: ResetCause) {
@@ -481,8 +174,9 @@ impl Machine {
         // unlike the chip, a reset of rsemu keeps NVIC settings and a lazy FPU context
         self.cpu = core(&self.space);
         // its cycles begin at 0 again: a line that was read ahead would be there only when they are where they were
-        *self.shared.waits() = Waits::new();
-        self.line = u32::MAX;
+        self.waits = Waits::new();
+        *self.shared.literals() = Literals::new();
+        self.slow_cycles = 0;
         self.quick.reset();
         self.lines = Default::default();
         self.shared.touched.store(true, Relaxed);
@@ -640,7 +334,7 @@ impl Machine {
 
     /// Deviation of the internal oscillator, parts in 10 000: 100 is 1 %.
     pub fn set_internal_clock_error(&mut self, parts: i64) {
-        self.shared.soc().rcc.hsi_error = parts;
+        self.shared.soc().rcc.set_hsi_error(parts);
         self.shared.touched.store(true, Relaxed);
     }
 

@@ -1,5 +1,6 @@
 //! The emulated core and its workarounds.
 
+use super::run::IT_STATE;
 use super::*;
 use std::collections::BTreeMap;
 

@@ -4,17 +4,17 @@
 //! what rsemu would do, cycle by cycle; the tests compare the two. Everything else is rsemu's: exceptions, sleep, the private
 //! peripherals, exclusive accesses, faults, and every operation on floats whose flags a host does not show.
 
-use crate::alu::{alu, is_normal_or_zero, on_host, shift_imm, shift_reg};
-use crate::bus::Shared;
+use crate::alu::{alu, is_normal_or_zero, on_host, product_signs, shift_imm, shift_reg};
+use crate::bus::{PERIPHERALS, PERIPHERALS_END, Shared};
+use crate::code::{Code, Decoded};
 use crate::flash::BANK_2;
 use crate::image::{CCM_BASE, CCM_END, FLASH_BASE, RAM_BASE, RAM_END};
+use crate::wait::Fetch;
 use rsemu::core::space::{AddressSpace, MemAttrs, RamStore, RomStore};
 use rsemu::core::value::{Endian, Width};
 use rsemu::cpu::arm::v7m::fp::{self, fpscr};
 use rsemu::cpu::arm::v7m::fpisa::{DataOp, FpInsn, UnaryOp};
-use rsemu::cpu::arm::v7m::isa::{
-    BitfieldOp, Cond, ExtendOp, Insn, MemOffset, MiscOp, Operand, Size, decode, is_32bit,
-};
+use rsemu::cpu::arm::v7m::isa::{BitfieldOp, Cond, ExtendOp, Insn, MemOffset, MiscOp, Operand, Size};
 use rsemu::cpu::arm::v7m::sys::{Sys, control, fpccr};
 use rsemu::cpu::arm::v7m::{ArmV7m, Regs};
 
@@ -36,21 +36,10 @@ const PRIMASK: u8 = 16;
 const MPU_ON: u32 = 1;
 const MPU_DEFAULT_MAP: u32 = 4;
 
-/// A decoded instruction.
-#[derive(Debug, Clone, Copy)]
-struct Decoded {
-    first: u16,
-    second: u16,
-    wide: bool,
-    insn: Insn,
-}
-
 /// State that is rsemu's while rsemu executes.
 #[derive(Debug)]
 pub(crate) struct Quick {
-    /// Decoded instructions of flash and of CCM SRAM, by half-word.
-    flash: Vec<Option<Decoded>>,
-    ccm: Vec<Option<Decoded>>,
+    pub code: Code,
     /// Copy of S0 to S31 and FPSCR, if it is valid, and registers in which it is newer than rsemu's.
     s: [u32; 32],
     fpscr: u32,
@@ -84,8 +73,7 @@ pub(crate) struct Core<'a> {
 impl Quick {
     pub fn new(flash_bytes: u32) -> Self {
         Self {
-            flash: vec![None; (flash_bytes / 2) as usize],
-            ccm: vec![None; ((CCM_END - CCM_BASE) / 2) as usize],
+            code: Code::new(flash_bytes),
             s: [0; 32],
             fpscr: 0,
             floats_known: false,
@@ -139,6 +127,12 @@ impl Quick {
         plain && sys.mpu_ctrl & (MPU_ON | MPU_DEFAULT_MAP) != MPU_ON
     }
 
+    /// Counts cycles.
+    pub fn count(&mut self, cycles: u64) {
+        self.cycles += cycles;
+        self.uncounted += cycles;
+    }
+
     /// Gives registers and cycles to rsemu.
     pub fn give(&mut self, cpu: &ArmV7m, regs: &Regs) {
         cpu.set_regs(*regs);
@@ -186,59 +180,28 @@ pub(crate) fn without_floats(insn: Option<Insn>) -> bool {
                 | Insn::Hint { .. }
                 | Insn::Mrs { .. }
                 | Insn::Msr { .. }
+                | Insn::Simd { .. }
         )
     )
 }
 
 impl Core<'_> {
-    /// The instruction at an address in flash or CCM SRAM, decoded.
-    fn decoded(&mut self, pc: u32) -> Option<Decoded> {
-        let halves = |read: &dyn Fn(u64) -> Option<u64>, at: u32| {
-            let first = read(u64::from(at))? as u16;
-            // the second half may not be there
-            Some((first, if is_32bit(first) { read(u64::from(at) + 2)? as u16 } else { 0 }))
-        };
-        let decoded = |(first, second): (u16, u16)| Decoded {
-            first,
-            second,
-            wide: is_32bit(first),
-            insn: decode(first, second),
-        };
-        match pc {
-            FLASH_BASE..BANK_2 => {
-                let at = pc - FLASH_BASE;
-                let slot = self.quick.flash.get_mut((at / 2) as usize)?;
-                if let Some(held) = slot {
-                    return Some(*held);
-                }
-                let read = |at| self.bank_1.read_value(at, Width::U16, Endian::Little).ok();
-                *slot = Some(decoded(halves(&read, at)?));
-                *slot
-            }
-            CCM_BASE..CCM_END => {
-                let at = pc - CCM_BASE;
-                let read = |at| self.ccm.read_value(at, Width::U16, Endian::Little).ok();
-                let now = halves(&read, at)?;
-                let slot = self.quick.ccm.get_mut((at / 2) as usize)?;
-                // the start-up code copies it
-                if slot.is_none_or(|held| (held.first, held.second) != now) {
-                    *slot = Some(decoded(now));
-                }
-                *slot
-            }
-            _ => None,
-        }
+    /// The instruction at the program counter.
+    #[inline]
+    fn decoded(&mut self) -> Option<Decoded> {
+        self.quick.code.at(self.regs.r[15], self.bank_1, self.ccm)
     }
 
     /// The instruction at the program counter.
     pub fn next(&mut self) -> Option<Insn> {
-        self.decoded(self.regs.r[15]).map(|decoded| decoded.insn)
+        self.decoded().map(|decoded| decoded.insn)
     }
 
-    /// Executes one instruction; its first half-word, and its cycles without waits. `None` leaves everything as it was: rsemu must execute it.
-    pub fn step(&mut self) -> Option<(u16, u64)> {
+    /// Executes one instruction: how it was fetched, and its cycles without waits. `None` leaves everything as it was: rsemu must execute it.
+    pub fn step(&mut self) -> Option<(Fetch, u64)> {
         let pc = self.regs.r[15];
-        let Decoded { first, wide, insn, .. } = self.decoded(pc)?;
+        let Decoded { insn, fetch } = self.decoded()?;
+        let wide = fetch.bytes == 4;
         let xpsr = self.regs.xpsr;
         let it = (xpsr >> 8 & 0xfc | xpsr >> 25 & 3) as u8;
         let mut passes = it == 0 || Cond(it >> 4).passes(xpsr);
@@ -246,7 +209,7 @@ impl Core<'_> {
             passes &= cond.passes(xpsr);
         }
         let mut cycles = 1;
-        let after = pc.wrapping_add(if wide { 4 } else { 2 });
+        let after = pc.wrapping_add(fetch.bytes);
         self.regs.r[15] = pc.wrapping_add(4);
         let next = if passes {
             let flags = wide || it == 0;
@@ -265,9 +228,8 @@ impl Core<'_> {
         }
         self.regs.r[15] = next;
         self.regs.msp = self.regs.r[13];
-        self.quick.cycles += cycles;
-        self.quick.uncounted += cycles;
-        Some((first, cycles))
+        self.quick.count(cycles);
+        Some((fetch, cycles))
     }
 
     fn set_it(&mut self, it: u8) {
@@ -333,6 +295,11 @@ impl Core<'_> {
                 Ok(value)
             }
             _ if is_aliased(address) => return None,
+            PERIPHERALS..PERIPHERALS_END => {
+                let mut data = [0; 4];
+                self.shared.load(address, &mut data[..bytes as usize]);
+                Ok(u64::from(u32::from_le_bytes(data)))
+            }
             _ => self.space.read(u64::from(address), width, MemAttrs::DEFAULT.with_privileged(true)),
         };
         value.ok().map(|value| value as u32)
@@ -348,9 +315,14 @@ impl Core<'_> {
                 self.ram.write_value(u64::from(address - RAM_BASE), width, value, Endian::Little)
             }
             CCM_BASE..CCM_END => {
+                self.quick.code.forget(address - CCM_BASE, bytes);
                 self.ccm.write_value(u64::from(address - CCM_BASE), width, value, Endian::Little)
             }
             _ if address & (bytes - 1) != 0 || is_aliased(address) => return None,
+            PERIPHERALS..PERIPHERALS_END => {
+                self.shared.store(address, &value.to_le_bytes()[..bytes as usize]);
+                Ok(())
+            }
             _ => self.space.write(u64::from(address), width, value, MemAttrs::DEFAULT.with_privileged(true)),
         };
         stored.ok()
@@ -377,9 +349,9 @@ impl Core<'_> {
                     }
                 }
                 if s && (flags || op.is_test()) {
-                    self.set_nz(result);
-                    self.set_flag(C, c);
-                    self.set_flag(V, v);
+                    let others = self.regs.xpsr & !(N | Z | C | V);
+                    let zero = if result == 0 { Z } else { 0 };
+                    self.regs.xpsr = others | result & N | zero | (u32::from(c) * C) | (u32::from(v) * V);
                 }
                 Some(branch)
             }
@@ -694,12 +666,19 @@ impl Core<'_> {
                             let (value, raised) = fp::mul(b, c, env);
                             (fp::neg(value), raised)
                         }
+                        DataOp::Mla | DataOp::Mls | DataOp::Nmla | DataOp::Nmls => {
+                            let (product, raised) = fp::mul(b, c, env);
+                            let (a_sign, product_sign) = product_signs(op);
+                            let (sum, also) = fp::add(a ^ a_sign, product ^ product_sign, env);
+                            (sum, raised | also)
+                        }
                         _ => return None,
                     };
                     self.finish(d, result);
                 }
                 Some(match op {
                     DataOp::Div => 13,
+                    DataOp::Mla | DataOp::Mls | DataOp::Nmla | DataOp::Nmls => 2,
                     DataOp::Fma | DataOp::Fms | DataOp::Fnma | DataOp::Fnms => 2,
                     _ => 0,
                 })

@@ -1,6 +1,8 @@
 //! The quick core beside rsemu's: one instruction, the same state before, the same after.
 
 use super::*;
+use crate::bus::Window;
+use crate::code;
 use crate::image::{CCM_SIZE, RAM_SIZE};
 use crate::random::Random;
 use crate::soc::Soc;
@@ -8,7 +10,7 @@ use crate::world::World;
 use plant::RigConfig;
 use rsemu::core::space::{Region, RomWrite};
 use rsemu::cpu::arm::v7m::Config;
-use rsemu::cpu::arm::v7m::isa::HintOp;
+use rsemu::cpu::arm::v7m::isa::{HintOp, decode, is_32bit};
 use std::sync::Arc;
 
 /// Place of the instruction.
@@ -24,7 +26,7 @@ struct Pair {
     ccms: [Arc<RamStore>; 2],
     spaces: [Arc<AddressSpace>; 2],
     bank_1: Arc<RomStore>,
-    shared: Shared,
+    shared: [Arc<Shared>; 2],
 }
 
 impl Pair {
@@ -32,7 +34,12 @@ impl Pair {
         let flash: Vec<u8> = (0..FLASH_BYTES).map(|_| word(random) as u8).collect();
         let bank_1 = Arc::new(RomStore::new(flash));
         let rams = [(); 2].map(|()| Arc::new(RamStore::new(u64::from(RAM_SIZE))));
-        let ccms = [(); 2].map(|()| Arc::new(RamStore::new(u64::from(CCM_SIZE))));
+        let ccms = [(); 2].map(|()| Arc::new(code::ccm_store()));
+        let shared = [(); 2].map(|()| {
+            let law = friction::Custom(|_: &friction::Motion<f64>| 0.0);
+            let world = World::new(RigConfig::free_handle(), law, 1).expect("the default rig");
+            Arc::new(Shared::new(Soc::new(world)))
+        });
         let spaces = [0, 1].map(|k| {
             let space = AddressSpace::new("cpu", 32);
             let mut map = space.topology();
@@ -43,6 +50,10 @@ impl Pair {
             ] {
                 map.map(region, u64::from(base)).expect("no overlap");
             }
+            let window = Window { shared: Arc::clone(&shared[k]), base: PERIPHERALS };
+            let bytes = u64::from(PERIPHERALS_END - PERIPHERALS);
+            map.map(Region::io("peripherals", bytes, Arc::new(window)), u64::from(PERIPHERALS))
+                .expect("no overlap");
             drop(map);
             Arc::new(space)
         });
@@ -61,11 +72,9 @@ impl Pair {
             });
             cpu
         });
-        let law = friction::Custom(|_: &friction::Motion<f64>| 0.0);
-        let world = World::new(RigConfig::free_handle(), law, 1).expect("the default rig");
         let mut quick = Quick::new(0);
         quick.started = true;
-        Self { quick, cpus, rams, ccms, spaces, bank_1, shared: Shared::new(Soc::new(world)) }
+        Self { quick, cpus, rams, ccms, spaces, bank_1, shared }
     }
 
     fn write(&self, address: u32, bytes: &[u8]) {
@@ -91,6 +100,7 @@ impl Pair {
         let regs = self.cpus[0].regs();
         let mut after = regs;
         self.quick.forget_floats();
+        self.quick.code.forget_written(&self.ccms[0]);
         let [quick, reference] = &self.cpus;
         assert!(quick.with_sys(|sys| self.quick.can_run(sys, &regs)));
         let before = quick.with_sys(|sys| sys.dwt_cyccnt);
@@ -102,13 +112,13 @@ impl Pair {
             ram: &self.rams[0],
             ccm: &self.ccms[0],
             space: &self.spaces[0],
-            shared: &self.shared,
+            shared: &self.shared[0],
         };
-        let Some((first, cycles)) = core.step() else {
+        let Some((fetch, cycles)) = core.step() else {
             assert_eq!((after, self.quick.floats_changed), (regs, 0), "{halves:x?} half done");
             return false;
         };
-        assert_eq!(first, halves[0]);
+        assert_eq!(fetch, Fetch::of(halves[0]));
         self.quick.give(quick, &after);
         self.quick.give_floats(quick);
         let counted = reference.with_sys(|sys| sys.dwt_cyccnt);
@@ -155,8 +165,15 @@ fn value(random: &mut Random) -> u32 {
         7 => RAM_BASE + RAM_SIZE - 64 + bits % 72,
         8 => (CCM_BASE + 0x800 + bits % 0x1000) & !3,
         9 => (FLASH_BASE + bits % FLASH_BYTES as u32) & !3,
+        10 => peripheral(bits),
         _ => bits,
     }
+}
+
+/// A register of a peripheral, mostly of one that is modelled.
+fn peripheral(bits: u32) -> u32 {
+    let bases = [0x4000_0000, 0x4000_8000, 0x4002_0000, 0x4800_0000, 0x5000_0000];
+    bases[bits as usize % bases.len()] + (bits >> 8 & 0x1ffc)
 }
 
 /// Floats of all kinds: of like size mostly, so that sums cancel.

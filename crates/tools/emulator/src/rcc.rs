@@ -1,5 +1,7 @@
 //! Reset and clock control: oscillators (which start at once), clock security, PLL, switch, enables and resets.
 
+use std::cell::Cell;
+
 const CR: u32 = 0x00;
 const ICSCR: u32 = 0x04;
 const CFGR: u32 = 0x08;
@@ -79,7 +81,9 @@ pub(crate) struct Rcc {
     /// Whether the crystal oscillates once it is switched on.
     crystal: bool,
     /// Deviation of the internal oscillator, parts in 10 000.
-    pub hsi_error: i64,
+    hsi_error: i64,
+    /// Units per cycle of the core, unless a setting has changed since.
+    units: Cell<Option<u64>>,
     /// The clock security system interrupts.
     pub nmi: bool,
     pub violation: Option<String>,
@@ -107,7 +111,7 @@ impl Rcc {
         ] {
             regs[offset as usize / 4] = value;
         }
-        Self { regs, crystal: true, hsi_error: 0, nmi: false, violation: None }
+        Self { regs, crystal: true, hsi_error: 0, units: Cell::new(None), nmi: false, violation: None }
     }
 
     /// Resets the registers. The oscillators remain what they are.
@@ -119,6 +123,7 @@ impl Rcc {
     /// on, and stops otherwise.
     pub fn set_crystal(&mut self, oscillates: bool) {
         self.crystal = oscillates;
+        self.units.set(None);
         let cr = self.reg(CR);
         if !oscillates && cr & CR_CSSON != 0 && cr & CR_HSEON != 0 {
             let of_pll = self.reg(PLLCFGR) & 3 == 3;
@@ -131,6 +136,12 @@ impl Rcc {
             self.set(CIFR, CIFR_CSSF);
             self.nmi = true;
         }
+    }
+
+    /// Sets the deviation of the internal oscillator, parts in 10 000.
+    pub fn set_hsi_error(&mut self, parts: i64) {
+        self.hsi_error = parts;
+        self.units.set(None);
     }
 
     /// Internal oscillator, Hz.
@@ -148,6 +159,7 @@ impl Rcc {
     }
 
     fn set(&mut self, offset: u32, value: u32) {
+        self.units.set(None);
         if let Some(register) = self.regs.get_mut(offset as usize / 4) {
             *register = value;
         }
@@ -218,6 +230,13 @@ impl Rcc {
             _ => 1,
         };
         self.sysclk() / divider
+    }
+
+    /// Units of virtual time per cycle of the core.
+    pub fn units_per_cycle(&self) -> u64 {
+        let units = self.units.get().unwrap_or_else(|| crate::units_per_cycle(self.hclk()));
+        self.units.set(Some(units));
+        units
     }
 
     /// Clock of the APB1 peripherals, Hz.

@@ -17,6 +17,7 @@ use crate::supply::Supply;
 use crate::tim::{CAPTURE_LAG_CYCLES, Tim};
 use crate::units_per_cycle;
 use crate::world::World;
+use std::cell::Cell;
 use std::collections::{BTreeSet, HashMap};
 
 const TIM2: u32 = 0x4000_0000;
@@ -114,6 +115,8 @@ pub(crate) struct Soc {
     last_output: Option<u64>,
     last_fed: Option<u64>,
     pub first_step_at: Option<u64>,
+    /// Time of the next event, unless something has changed since.
+    next: Cell<Option<u64>>,
 }
 
 impl Soc {
@@ -147,6 +150,7 @@ impl Soc {
             last_output: None,
             last_fed: None,
             first_step_at: None,
+            next: Cell::new(None),
         }
     }
 
@@ -209,6 +213,7 @@ impl Soc {
 
     pub fn read(&mut self, address: u32, now: u64) -> u32 {
         self.advance(now);
+        self.forget_next_event();
         let offset = address & 0x3ff;
         match address {
             TIM2..TIM7_END => {
@@ -289,6 +294,7 @@ impl Soc {
 
     pub fn write(&mut self, address: u32, value: u32, now: u64) {
         self.advance(now);
+        self.forget_next_event();
         let offset = address & 0x3ff;
         match address {
             TIM2..TIM7_END => {
@@ -514,11 +520,15 @@ impl Soc {
             self.advance_to(next);
         }
         for tim in &mut self.tims {
-            tim.advance(now);
+            if !tim.is_quiet(now) {
+                self.next.set(None);
+                tim.advance(now);
+            }
         }
     }
 
     fn advance_to(&mut self, at: u64) {
+        self.forget_next_event();
         let code = self.force_code(at);
         self.world.advance(at, code);
         while let Some((when, up)) = self.world.edge(at) {
@@ -600,6 +610,17 @@ impl Soc {
 
     /// Time of the next spontaneous event.
     pub fn next_event(&self) -> u64 {
+        let next = self.next.get().unwrap_or_else(|| self.earliest_event());
+        self.next.set(Some(next));
+        next
+    }
+
+    /// Forgets the time of the next event, before a change.
+    pub fn forget_next_event(&mut self) {
+        self.next.set(None);
+    }
+
+    fn earliest_event(&self) -> u64 {
         let tims = self.tims.iter().map(Tim::next_event).min().unwrap_or(u64::MAX);
         let pulse = self.pulses.as_ref().map_or(u64::MAX, |pulses| pulses.next);
         tims.min(pulse)

@@ -244,13 +244,18 @@ impl Tim {
 
     /// Updates the flags to `now`. Returns the number of updates since the last call.
     pub fn advance(&mut self, now: u64) -> u64 {
-        if now < self.quiet_until {
+        if self.is_quiet(now) {
             return 0;
         }
         self.next.set(None);
         let updates = self.process(now);
         self.quiet_until = self.next_change();
         updates
+    }
+
+    /// Whether nothing has changed up to this time.
+    pub fn is_quiet(&self, now: u64) -> bool {
+        now < self.quiet_until
     }
 
     fn process(&mut self, now: u64) -> u64 {

@@ -15,7 +15,7 @@
 //! each line as a core without one, so that flash is never better here than on the chip.
 
 /// Bytes that the flash reads at once in dual-bank mode.
-pub(crate) const LINE: u32 = 8;
+const LINE: u32 = 8;
 /// Entries of the instruction cache and of the data cache.
 const CODE_LINES: usize = 128;
 const DATA_LINES: usize = 32;
@@ -59,12 +59,16 @@ impl<const N: usize> Cache<N> {
     }
 }
 
-/// State of the flash interface.
+/// Wait states of FLASH_ACR.
+fn states(acr: u32) -> u64 {
+    u64::from(acr & 0xf)
+}
+
+/// What the flash interface does for instructions.
 #[derive(Debug)]
 pub(crate) struct Waits {
     acr: u32,
     code: Cache<CODE_LINES>,
-    data: Cache<DATA_LINES>,
     /// Line that the core reads from.
     current: u32,
     /// Line being read ahead, and the cycle at which it is there.
@@ -73,27 +77,24 @@ pub(crate) struct Waits {
 
 impl Waits {
     pub fn new() -> Self {
-        Self { acr: 0, code: Cache::new(), data: Cache::new(), current: u32::MAX, ahead: (u32::MAX, 0) }
+        Self { acr: 0, code: Cache::new(), current: u32::MAX, ahead: (u32::MAX, 0) }
     }
 
-    /// Line that the core reads from: another instruction within it does not wait.
-    pub fn current(&self) -> u32 {
-        self.current
-    }
-
-    /// Settings of FLASH_ACR.
-    pub fn set(&mut self, acr: u32) {
-        self.acr = acr;
-    }
-
-    fn states(&self) -> u64 {
-        u64::from(self.acr & 0xf)
+    /// Settings of FLASH_ACR; whether they are others.
+    pub fn set(&mut self, acr: u32) -> bool {
+        std::mem::replace(&mut self.acr, acr) != acr
     }
 
     /// Wait for an instruction of `bytes` in flash, at this cycle.
+    #[inline]
     pub fn fetch(&mut self, address: u32, bytes: u32, cycle: u64) -> u64 {
+        let (first, last) = (address / LINE, (address + bytes - 1) / LINE);
+        if first == self.current && last == self.current { 0 } else { self.lines(first, last, cycle) }
+    }
+
+    fn lines(&mut self, first: u32, last: u32, cycle: u64) -> u64 {
         let mut wait = 0;
-        for line in [address / LINE, (address + bytes - 1) / LINE] {
+        for line in [first, last] {
             if line != self.current {
                 self.current = line;
                 wait += self.line(line, cycle + wait);
@@ -107,23 +108,53 @@ impl Waits {
         let wait = match self.ahead {
             _ if cached => 0,
             (ahead, at) if ahead == line => at.saturating_sub(cycle),
-            _ => self.states(),
+            _ => states(self.acr),
         };
         if self.acr & PRFTEN != 0 && !cached {
-            self.ahead = (line + 1, cycle + wait + self.states() + 1);
+            self.ahead = (line + 1, cycle + wait + states(self.acr) + 1);
         }
         wait
+    }
+}
+
+/// What the flash interface does for loads.
+#[derive(Debug)]
+pub(crate) struct Literals {
+    acr: u32,
+    data: Cache<DATA_LINES>,
+}
+
+impl Literals {
+    pub fn new() -> Self {
+        Self { acr: 0, data: Cache::new() }
+    }
+
+    /// Settings of FLASH_ACR.
+    pub fn set(&mut self, acr: u32) {
+        self.acr = acr;
     }
 
     /// Wait for a load from flash.
     pub fn load(&mut self, address: u32) -> u64 {
-        if self.acr & DCEN != 0 && self.data.take(address / LINE) { 0 } else { self.states() }
+        if self.acr & DCEN != 0 && self.data.take(address / LINE) { 0 } else { states(self.acr) }
     }
 }
 
-/// Whether an instruction loads from its own code: `ldr` and `vldr` of a literal, and the tables of `tbb` and `tbh`.
-pub(crate) fn loads_literal(first: u16) -> bool {
-    first >> 11 == 0b01001 || matches!(first, 0xf85f | 0xf8df | 0xed1f | 0xed9f | 0xed5f | 0xeddf | 0xe8df)
+/// What the fetch of an instruction takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Fetch {
+    pub bytes: u32,
+    /// It loads from its own code: `ldr` and `vldr` of a literal, and the tables of `tbb` and `tbh`.
+    pub literal: bool,
+}
+
+impl Fetch {
+    /// Of an instruction with this first half-word.
+    pub fn of(first: u16) -> Self {
+        let literal = first >> 11 == 0b01001
+            || matches!(first, 0xf85f | 0xf8df | 0xed1f | 0xed9f | 0xed5f | 0xeddf | 0xe8df);
+        Self { bytes: if first >> 11 < 0b11101 { 2 } else { 4 }, literal }
+    }
 }
 
 #[cfg(test)]
@@ -178,8 +209,10 @@ mod tests {
 
     #[test]
     fn loads_go_through_the_data_cache() {
-        let mut waits = at_170_mhz(DCEN);
-        assert_eq!([waits.load(0x0800_0000), waits.load(0x0800_0004), waits.load(0x0800_0008)], [4, 0, 4]);
-        assert_eq!([at_170_mhz(0).load(0), at_170_mhz(0).load(0)], [4, 4]);
+        let mut literals = Literals::new();
+        literals.set(4 | DCEN);
+        assert_eq!([0x0800_0000, 0x0800_0004, 0x0800_0008].map(|at| literals.load(at)), [4, 0, 4]);
+        literals.set(4);
+        assert_eq!([0, 0].map(|at| literals.load(at)), [4, 4]);
     }
 }
