@@ -182,11 +182,12 @@ impl Named {
         if after < REMAINS * floor || before - after >= SMALL * (before - floor) {
             return;
         }
-        let rows: f64 = search.design.block_weight().iter().sum();
-        let rms = |sum: f64| (sum / rows).sqrt();
-        let regime =
-            format!("it explains {:.0} % of what is left out", 100.0 * (before - after) / (before - floor));
-        let taken_back = |kind| Withdrawn { kind, regime: regime.clone(), rms: (rms(before), rms(after)) };
+        let regime = format!(
+            "everything found explains only {:.0} % of the squared error above the noise floor",
+            100.0 * (before - after) / (before - floor)
+        );
+        let rms = (search.design.rms(before), search.design.rms(after));
+        let taken_back = |kind| Withdrawn { kind, regime: regime.clone(), rms };
         self.withdrawn.extend(self.found.atoms.iter().map(|a| taken_back(a.term.kind)));
         (self.found, self.p) = (baseline.clone(), Vec::new());
         (self.last, self.gains, self.kin) = (baseline, Vec::new(), Vec::new());
@@ -208,7 +209,7 @@ fn search<'a>(
     cutoff: f64,
 ) -> Search<'a> {
     let Regression { design, baseline, .. } = regression;
-    let rows: f64 = design.block_weight().iter().sum();
+    let rows = design.effective_rows();
     Search {
         design,
         noisy,
@@ -253,7 +254,6 @@ fn name(
     let mut settled: Option<(AppliedForce, DesignMatrix, Catalogue)> = None;
     loop {
         let Regression { design, baseline, .. } = &regression;
-        let rows: f64 = design.block_weight().iter().sum();
         let mut floor = measured_floor(&regression, options);
         tell(watch, 0.1, "catalogue")?;
         let scales = Scales::of(&design.tracks, cutoff);
@@ -274,7 +274,7 @@ fn name(
         };
         let (mut found, mut p) = run(baseline, &floor, &catalogue)?;
         // A floor that a model undercuts on what it has not seen was none: a broad signal was taken for noise.
-        let reached = (found.fit.heldout_sum() / rows.max(1e-300)).sqrt();
+        let reached = design.rms(found.fit.heldout_sum());
         if reached < UNDERCUT * floor.rms && floor.how == "local differences" && reached > 0.0 {
             floor.rms = reached;
             (found, p) = run(baseline, &floor, &catalogue)?;

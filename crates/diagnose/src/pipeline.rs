@@ -236,8 +236,8 @@ impl Run<'_> {
         let (floor, p) = (&named.floor, &named.p);
         let geometry = self.intake.geometry;
         let unit = Dimension::FORCE.unit(geometry);
-        let rows: f64 = design.block_weight().iter().sum();
-        let to_rms = |sum: f64| (sum / rows.max(1e-300)).sqrt();
+        let rows = design.effective_rows();
+        let to_rms = |sum: f64| design.rms(sum);
         let search = named.search(options, cutoff);
         let mut found = named.found.clone();
         let joint = Joint::of(&search, &found);
@@ -504,8 +504,7 @@ impl Run<'_> {
         let mut others = found.atoms.clone();
         others.remove(i);
         let without = Hypothesis::new(design, others);
-        let rows: f64 = design.block_weight().iter().sum();
-        let before = without.as_ref().map_or(f64::NAN, |w| (w.fit.heldout_sum() / rows).sqrt());
+        let before = without.as_ref().map_or(f64::NAN, |w| design.rms(w.fit.heldout_sum()));
         let interval = without.as_ref().map_or([0.0, 0.0], |w| {
             gain_interval(
                 &w.fit.heldout,
@@ -522,7 +521,7 @@ impl Run<'_> {
             equation: atom.term.kind.about().equation.into(),
             parameters: self.effect_parameters(joint, last, i),
             rms_heldout_before: before,
-            rms_heldout_after: (found.fit.heldout_sum() / rows).sqrt(),
+            rms_heldout_after: design.rms(found.fit.heldout_sum()),
             gain_ci95: interval,
             p,
             indistinguishable_from: rivals.iter().map(|r| r.about.id.to_string()).collect(),

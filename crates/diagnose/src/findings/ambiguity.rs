@@ -190,7 +190,7 @@ fn over_before_seen<'a>(
     geometry: Geometry,
 ) -> Option<Blind> {
     let design = search.design;
-    let rows: f64 = design.block_weight().iter().sum();
+    let rows = design.effective_rows();
     // in its simplest form that is anything at all
     let (atom, all) = variants
         .map(|a| (*a, power(&whole.columns(&a.term))))
@@ -228,7 +228,7 @@ pub fn rejected(
 ) -> Vec<Rejected> {
     let design = search.design;
     let basis = Basis::of(&Hypothesis::columns(design, &found.atoms));
-    let rows: f64 = design.block_weight().iter().sum();
+    let rows = design.effective_rows();
     let mut out = Vec::new();
     for kind in TermKind::all() {
         let id = kind.id();

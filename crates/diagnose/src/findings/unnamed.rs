@@ -17,9 +17,8 @@ const MANY: f64 = 10.0;
 
 /// An error of several floors that nothing in the catalogue describes: a statement about the recording, not a model.
 pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry) -> Option<Missing> {
-    let rows: f64 = search.design.block_weight().iter().sum();
-    let rms = (found.fit.heldout_sum() / rows).sqrt();
-    let floor = (search.floor / rows).sqrt();
+    let rms = search.design.rms(found.fit.heldout_sum());
+    let floor = search.design.rms(search.floor);
     let unit = Dimension::FORCE.unit(geometry);
     let left = crate::findings::words::short(rms);
     let peak = worst_block(search, found);

@@ -83,7 +83,7 @@ impl Frozen<'_> {
     }
 
     fn one(&self, design: &DesignMatrix, index: usize, name: &str, geometry: Geometry) -> Validation {
-        let rows: f64 = design.block_weight().iter().sum();
+        let rows = design.effective_rows();
         let size = dot(&design.y, &design.y).max(1e-300);
         let square = |rest: &[f64]| dot(rest, rest);
         let before = square(&self.rest(design, self.baseline, self.absolute));
@@ -196,7 +196,7 @@ impl Frozen<'_> {
         if (error(0.01 * span) - still.0).abs() <= 1e-9 * still.0 {
             return still;
         }
-        let rows: f64 = design.block_weight().iter().sum();
+        let rows = design.effective_rows();
         let (best, least) = nearest(0.5 * span, span, |least| MIN_CHI_SQUARE * least / rows.max(1.0), error);
         let h = 0.0025 * span;
         let bend = (error(best + h) + error(best - h) - 2.0 * least) / (h * h);

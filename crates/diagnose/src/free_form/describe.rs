@@ -170,13 +170,15 @@ fn next(
     trials.iter_mut().zip(p).for_each(|(t, p)| t.p = p);
     let map = trials.iter().position(|t| t.candidate.across.is_some());
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
-    let best: Vec<(Candidate, f64)> =
-        (0..trials.len()).filter(closest).map(|i| (trials[i].candidate, trials[i].p)).collect();
+    let refined = |i: usize| {
+        let Trial { candidate, p, .. } = trials[i];
+        let with = move |knots| trial(candidate, knots).map(|t| Trial { p, ..t });
+        other_knots(&candidate).into_par_iter().filter_map(with)
+    };
+    let closest: Vec<usize> = (0..trials.len()).filter(closest).collect();
+    let finer: Vec<Trial> = closest.into_par_iter().flat_map(refined).collect();
     trials.truncate(CLOSER);
-    let finer = |(c, p): (Candidate, f64)| closer(c).into_iter().map(move |(c, knots)| (c, knots, p));
-    let finer: Vec<(Candidate, (usize, usize), f64)> = best.into_iter().flat_map(finer).collect();
-    let refined = |(c, knots, p)| trial(c, knots).map(|t| Trial { p, ..t });
-    trials.extend(finer.into_par_iter().filter_map(refined).collect::<Vec<_>>());
+    trials.extend(finer);
     let before = so_far.fit.heldout_sum();
     let material = (MATERIAL * (before - search.floor))
         .max(SEEN * search.floor)
@@ -206,12 +208,9 @@ fn next(
     None
 }
 
-/// A candidate with other numbers of knots.
-fn closer(candidate: Candidate) -> Vec<(Candidate, (usize, usize))> {
-    if candidate.across.is_some() {
-        return MAPS.iter().map(|knots| (candidate, *knots)).collect();
-    }
-    CURVES.iter().map(|k| (candidate, (*k, 0))).collect()
+/// Numbers of knots that a candidate is tried with besides the first.
+fn other_knots(candidate: &Candidate) -> Vec<(usize, usize)> {
+    if candidate.across.is_some() { MAPS.to_vec() } else { CURVES.map(|knots| (knots, 0)).to_vec() }
 }
 
 /// The same curve with the memories around its own; none where it has no memory.

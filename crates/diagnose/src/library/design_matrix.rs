@@ -104,6 +104,16 @@ impl DesignMatrix {
         (0..self.blocks.len()).map(|k| self.blocks.rows(k).map(|r| self.share[r]).sum()).collect()
     }
 
+    /// Effective number of rows.
+    pub fn effective_rows(&self) -> f64 {
+        self.block_weight().iter().sum()
+    }
+
+    /// Root mean square of a row, from the squares of all.
+    pub fn rms(&self, squared: f64) -> f64 {
+        (squared / self.effective_rows().max(1e-300)).sqrt()
+    }
+
     /// Columns of a term, one per free gain.
     pub fn columns(&self, term: &Term) -> Vec<Vec<f64>> {
         let all = self.all_columns(term.kind, &term.shape);

@@ -79,8 +79,8 @@ impl Search<'_> {
             && (new.is_empty() || self.significance(parent, child, &new) <= LEVEL)
     }
 
-    /// Drops terms that do not hold against the others, worst first; returns each survivor's p value. What has an impossible
-    /// gain goes before the others are judged beside it.
+    /// Drops terms that do not hold against the others, worst first; returns each survivor's p value. A term with an
+    /// unphysical gain is dropped first, so that no other term is judged beside it.
     pub fn prune(&self, mut best: Hypothesis, start: f64) -> (Hypothesis, Vec<f64>) {
         loop {
             let without = |i: usize| {

@@ -4,7 +4,7 @@
 
 use crate::library::design_matrix::DesignMatrix;
 use crate::preparation::track::Track;
-use crate::regression::linear::{FOLDS, Fit, fit};
+use crate::regression::linear::{FOLDS, fit};
 use crate::regression::sign_flips::gain_interval;
 use signals::{Basis, Recording, dot, quantile};
 use std::collections::BTreeMap;
@@ -174,8 +174,6 @@ impl Followed {
 /// Adds to the baseline a curve over each column that its error follows, the strongest first.
 pub fn follow(design: &mut DesignMatrix, columns: &[ExtraColumn], seed: u64) -> Vec<Followed> {
     let own: Vec<&ExtraColumn> = columns.iter().filter(|c| c.is_own(design)).collect();
-    let rows: f64 = design.block_weight().iter().sum();
-    let rms = |f: &Fit| (f.heldout_sum() / rows.max(1e-300)).sqrt();
     let mut out: Vec<Followed> = Vec::new();
     let Some(mut before) = fit(&design.baseline, &design.y, &design.blocks, FOLDS) else { return out };
     while out.len() < MOST {
@@ -189,7 +187,7 @@ pub fn follow(design: &mut DesignMatrix, columns: &[ExtraColumn], seed: u64) -> 
             let all: Vec<&[f64]> = design.baseline.iter().chain(&fresh).map(Vec::as_slice).collect();
             let after = fit(&all, &design.y, &design.blocks, FOLDS)?;
             let name = column.name.clone();
-            let rms = (rms(&before), rms(&after));
+            let rms = (design.rms(before.heldout_sum()), design.rms(after.heldout_sum()));
             let followed = Followed { name, with_direction, knots, kept, rms, gain: [0.0; 2] };
             (!fresh.is_empty()).then_some((after, fresh, followed))
         });

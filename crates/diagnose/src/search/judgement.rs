@@ -122,7 +122,7 @@ impl Search<'_> {
     /// Held-out squares, and what the shapes cost: they were chosen on all the data, which holding out does not see.
     /// ln(n)/2 each in log-likelihood, as in Schwarz's criterion.
     pub fn cost(&self, h: &Hypothesis) -> f64 {
-        let rows: f64 = self.design.block_weight().iter().sum();
+        let rows = self.design.effective_rows();
         let shapes: usize = h.atoms.iter().map(|a| a.term.kind.shape().len()).sum();
         h.fit.heldout_sum() + shapes as f64 * rows.max(2.0).ln() * self.floor / rows.max(1.0)
     }

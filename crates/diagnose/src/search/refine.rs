@@ -162,7 +162,7 @@ impl Search<'_> {
 
     /// Squared noise of one row.
     fn row_noise(&self) -> f64 {
-        self.floor / self.design.block_weight().iter().sum::<f64>().max(1.0)
+        self.floor / self.design.effective_rows().max(1.0)
     }
 
     /// Shape parameters that change a column.

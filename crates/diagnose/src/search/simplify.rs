@@ -110,9 +110,9 @@ impl Search<'_> {
 
     /// Squared error that `rival` has to lose before it may be as good as `best`.
     fn needed(&self, rival: &Hypothesis, best: &Hypothesis) -> f64 {
-        let rows: f64 = self.design.block_weight().iter().sum();
+        let rows = self.design.effective_rows();
         let worse = self.interval(rival, best)[0].max(0.0);
-        let rms = (rival.fit.heldout_sum() / rows.max(1e-300)).sqrt();
+        let rms = self.design.rms(rival.fit.heldout_sum());
         rows * worse * (2.0 * rms - worse)
     }
 
