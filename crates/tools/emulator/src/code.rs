@@ -32,10 +32,7 @@ pub(crate) struct Code {
 impl Code {
     /// Of a flash with code in its first bytes.
     pub fn new(flash_bytes: u32) -> Self {
-        Self {
-            flash: vec![None; (flash_bytes / 2) as usize],
-            ccm: vec![None; ((CCM_END - CCM_BASE) / 2) as usize],
-        }
+        Self { flash: vec![None; (flash_bytes / 2) as usize], ccm: vec![None; (CCM_SIZE / 2) as usize] }
     }
 
     /// The instruction at an address; none outside the code.

@@ -14,6 +14,8 @@
 //! 64 bits that are replaced in the order of their use. The core's own fetch of three words ahead is not modelled: it waits for
 //! each line as a core without one, so that flash is never better here than on the chip.
 
+use rsemu::cpu::arm::v7m::isa::is_32bit;
+
 /// Bytes that the flash reads at once in dual-bank mode.
 const LINE: u32 = 8;
 /// Entries of the instruction cache and of the data cache.
@@ -153,7 +155,7 @@ impl Fetch {
     pub fn of(first: u16) -> Self {
         let literal = first >> 11 == 0b01001
             || matches!(first, 0xf85f | 0xf8df | 0xed1f | 0xed9f | 0xed5f | 0xeddf | 0xe8df);
-        Self { bytes: if first >> 11 < 0b11101 { 2 } else { 4 }, literal }
+        Self { bytes: if is_32bit(first) { 4 } else { 2 }, literal }
     }
 }
 

@@ -89,8 +89,8 @@ impl Machine {
         let mut run = Run::default();
         let mut sum = 0;
         loop {
-            self.tell(regs.r[15]);
             let pc = regs.r[15];
+            self.tell(pc);
             let Some((fetch, cycles)) = self.quick_step(regs) else { break };
             let cycles = cycles + self.waits(pc, fetch);
             sum += cycles;
