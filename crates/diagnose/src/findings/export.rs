@@ -1,6 +1,6 @@
 //! The final model as `model.toml`: what was fitted, ready to predict, to simulate and to be a preset.
 
-use crate::library::baseline::BASELINE;
+use crate::library::baseline::{BASELINE, levels};
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::TermKind;
 use crate::preparation::intake::Intake;
@@ -16,9 +16,7 @@ pub fn model(intake: &Intake, design: &DesignMatrix, found: &Hypothesis, cutoff:
     let physics = design.physics(&found.fit.coefficients);
     let c = |i: usize| physics[i];
     // Sliding only was fitted: the static levels are those of sliding, and Δv comes last.
-    // Where one level lies below zero there is a constant in the force, which while sliding is half their difference.
-    let offset = if c(1) < 0.0 || c(2) < 0.0 { 0.5 * (c(1) - c(2)) } else { 0.0 };
-    let (c_p, c_n) = ((c(1) - offset).max(0.0), (c(2) + offset).max(0.0));
+    let (offset, c_p, c_n) = levels(&physics);
     let law = Karnopp { c_p, c_n, b_p: c(3), b_n: c(4), d_p: c_p, d_n: c_n, delta_v: 0.0 };
     let mut model = Model {
         geometry: intake.geometry,

@@ -3,12 +3,13 @@
 use crate::free_form::candidate::{Candidate, Library};
 use crate::free_form::crossing;
 use crate::free_form::term::FreeTerm;
+use crate::library::baseline;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::{FOLDS, Fit, fit};
 use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::{LEVEL, Search};
 use crate::search::lasting::{self, Regime};
-use friction::Coordinate;
+use friction::{Coordinate, FreeForm};
 use rayon::prelude::*;
 use signals::{Basis, dot};
 
@@ -153,7 +154,13 @@ fn next(
     columns.extend(so_far.terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice));
     let basis = Basis::of(&columns);
     let rows = design.used_rows();
+    // the difference of two memories of nearly one length is a derivative, of any size
+    let remembers =
+        |c: &Candidate, f: &FreeForm<f64>| f.over == c.over && f.times == c.times && f.memory != c.memory;
     let trial = |candidate: Candidate, (first, second): (usize, usize)| -> Option<Trial> {
+        if so_far.terms.iter().any(|t| remembers(&candidate, &t.form)) {
+            return None;
+        }
         let count = if candidate.across.is_some() { first * second } else { first };
         let (form, all) = (20 * count <= rows).then(|| library.get(design, candidate, first, second))??;
         let term = FreeTerm::new(&basis, form, all)?;
@@ -184,6 +191,7 @@ fn next(
         .max(SEEN * search.floor)
         .max(search.systematic)
         .max(OF_NAMED * explained);
+    let opposes = |fit: &Fit| baseline::opposes(&design.physics(&fit.coefficients), search.scales.speed);
     // one after the other, until one holds where it was not fitted
     while let Some(chosen) = simplest(&mut trials) {
         let (of, p) = (chosen.candidate, chosen.p);
@@ -195,7 +203,11 @@ fn next(
         let interval = search.gains(&so_far.fit, &chosen.fit);
         // a form that flips the sign of a named effect replaces it instead of adding to it
         let beside = Hypothesis { fit: chosen.fit.clone(), ..found.clone() };
-        let clear = p <= LEVEL && interval[0] > 0.0 && before - after >= material && search.physical(&beside);
+        let clear = p <= LEVEL
+            && interval[0] > 0.0
+            && before - after >= material
+            && search.physical(&beside)
+            && (opposes(&chosen.fit) || !opposes(&so_far.fit));
         let holds = || {
             (chosen.term.is_of_time() || lasts(search, &basis, &chosen, regimes))
                 && crossing::holds(design, &chosen.candidate, &basis, &chosen.term.columns)
