@@ -357,7 +357,10 @@ impl Run<'_> {
         missing.extend(unnamed);
         missing.extend(self.hums.iter().map(|h| h.missing(geometry)));
         missing.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
-        missing.extend(elsewhere);
+        if let Some((told, when)) = elsewhere {
+            missing.push(told);
+            location.extend(when);
+        }
         let verdict = if missing.is_empty() { Verdict::NoMismatch } else { Verdict::Mismatch };
 
         tell(watch, 0.95, "free run and validation")?;

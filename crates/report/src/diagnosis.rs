@@ -6,7 +6,7 @@ use crate::fragments::{experiment, faults, parameters};
 use crate::number::{html as number, html_with_std as with_std, p_value, percent};
 use crate::page::{Page, words};
 use diagnose::{
-    Bin, CarriesNot, Curve, Diagnosis, ForceError, FreeFormFinding, Location, LooksLike, Missing,
+    Bin, CarriesNot, Curve, Diagnosis, ForceError, FreeCurve, FreeFormFinding, Location, LooksLike, Missing,
     PerRecording, Verdict,
 };
 use std::fmt::Write;
@@ -57,7 +57,8 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
     let (without, with) =
         if of_samples { ("as recorded", "set right") } else { ("without the missing physics", "with it") };
     let mut rows: Vec<(&str, f64, &str)> = vec![(without, before, "before")];
-    if !d.missing.is_empty() {
+    // where nothing explains it the model is the same
+    if !d.missing.is_empty() && after != before {
         rows.push((with, after, "after"));
     }
     if !of_samples {
@@ -100,6 +101,8 @@ fn headline(d: &Diagnosis) -> String {
     };
     let mut says = sentence(&first.says);
     match d.missing.len() {
+        // told of the recording, not of a law
+        1 if first.equation.is_empty() => {}
         1 => says.push_str(" The simulation leaves that out."),
         2 => says.push_str(" The simulation leaves that out, and one effect more."),
         n => {
@@ -221,7 +224,7 @@ fn findings(page: &mut Page, d: &Diagnosis) {
     for m in &d.missing {
         page.html(finding(m, &d.noise_floor.unit));
         if let Some(form) = &m.free_form {
-            page.chart(&free_form(form));
+            page.chart(&free_form(form, d.figures.time.last().copied()));
             if let Some(hint) = &form.looks_like {
                 page.html(looks_like(hint));
             }
@@ -251,8 +254,25 @@ fn looks_like(hint: &LooksLike) -> String {
 }
 
 /// The curve of what has no name with its 95 % interval; of a map a curve at the middle and at either end.
-fn free_form(form: &FreeFormFinding) -> Chart {
-    let c = &form.curve;
+/// `end` is the time at which the recording ends, s.
+fn free_form(form: &FreeFormFinding, end: Option<f64>) -> Chart {
+    let change = match (form.coordinates.as_slice(), form.curve.knots.as_slice()) {
+        ([time], &[before, after]) if time == "time" => Some((before, after)),
+        _ => None,
+    };
+    let c = &match (change, end) {
+        // of a change what was before it and what is after it, too
+        (Some((before, after)), Some(end)) => {
+            let twice = |of: &[f64]| of.iter().flat_map(|x| [*x; 2]).collect();
+            FreeCurve {
+                knots: vec![0.0, before, after, end.max(after)],
+                values: twice(&form.curve.values),
+                band: twice(&form.curve.band),
+                ..form.curve.clone()
+            }
+        }
+        _ => form.curve.clone(),
+    };
     let axis = |i: usize| {
         let name = form.coordinates.get(i).map_or_else(String::new, |n| n.replace('_', " "));
         match form.units.get(i).filter(|u| !u.is_empty()) {

@@ -125,6 +125,12 @@ impl Basis {
         basis
     }
 
+    /// The directions, each of unit length.
+    #[must_use]
+    pub fn columns(&self) -> &[Vec<f64>] {
+        &self.columns
+    }
+
     /// Adds the direction of `column`; false when it is already in the span.
     pub fn push(&mut self, column: &[f64]) -> bool {
         let size = dot(column, column).sqrt();

@@ -1,5 +1,7 @@
 //! What the motion does not explain: errors that follow a further column of the recording, or nothing in it.
 
+use crate::findings::locate::row_times;
+use crate::findings::words::short;
 use crate::library::term::TermKind;
 use crate::result::{Location, Missing};
 use crate::search::extra_columns::Followed;
@@ -7,38 +9,78 @@ use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::{LEVEL, Search};
 use friction::effects::{Describe, Unnamed};
 use friction::{Dimension, Geometry};
+use signals::quantile;
 use std::collections::BTreeMap;
 
 /// Error over the noise floor above which something is missing although no effect describes it, if the error follows a
 /// coordinate.
 pub const SEVERAL: f64 = 3.0;
-/// The same if the error follows no coordinate, and for one block of a body that only advances: a step of its speed comes once.
+/// The same if the error follows no coordinate.
 const MANY: f64 = 10.0;
+/// Error of one part of the recording, over the noise floor and over the error of most other parts, above which something happened
+/// once.
+const ONCE: f64 = 5.0;
 
-/// An error of several floors that nothing in the catalogue describes: a statement about the recording, not a model.
-pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry) -> Option<Missing> {
+/// A part of the recording in which something happened once.
+struct Event {
+    /// Root mean square of the error of its worst block.
+    rms: f64,
+    /// From when to when, s.
+    between: (f64, f64),
+    /// Share of the squared error that lies in it.
+    share: f64,
+}
+
+/// An error of several floors that nothing in the catalogue describes: a statement about the recording, not a model; and when
+/// it happened, where it happened once.
+pub fn elsewhere(
+    search: &Search,
+    found: &Hypothesis,
+    p: f64,
+    geometry: Geometry,
+) -> Option<(Missing, Option<Location>)> {
     let rms = search.design.rms(found.fit.heldout_sum());
     let floor = search.design.rms(search.floor);
     let unit = Dimension::FORCE.unit(geometry);
-    let left = crate::findings::words::short(rms);
-    let peak = worst_block(search, found);
-    let once = search.design.is_one_way() && rms <= MANY * floor && peak > MANY * floor;
-    let (size, where_it_is) = if once { (peak, " in a part of the recording") } else { (rms, "") };
-    let (why, experiment) = if search.design.is_one_way() {
-        (
+    let left = short(rms);
+    let everywhere = rms > if p <= LEVEL { SEVERAL } else { MANY } * floor;
+    let event = event(search, found);
+    if !everywhere && event.is_none() {
+        return None;
+    }
+    let (size, when) = match &event {
+        Some(Event { rms, between: (from, to), .. }) => {
+            (*rms, format!(" from {} to {} s, and small elsewhere", short(*from), short(*to)))
+        }
+        None => (rms, String::new()),
+    };
+    let (why, experiment) = match (&event, search.design.is_one_way()) {
+        (_, true) => (
             "no explanation of one part of this recording holds in another: what acts happened once, or depends on something \
              that is not in the recording; the body passes every place once, so the two look alike",
             "repeat the move, and record other influences (a load, a temperature, a supply) as further columns",
-        )
-    } else {
-        (
+        ),
+        (Some(_), false) => (
+            "no other part of this recording explains it: what acts there happened once, or depends on something that is not in \
+             the recording",
+            "find out what happened then (a touch, a cable that caught, another load), and repeat the move",
+        ),
+        (None, false) => (
             "nothing in this recording explains it: it depends on something that is not in the recording",
             "record other influences on this body (other joints, a temperature, a supply, a load) as further columns",
-        )
+        ),
     };
-    (once || rms > if p <= LEVEL { SEVERAL } else { MANY } * floor).then(|| Missing {
+    let location = event.map(|event| Location {
+        coordinate: "time".into(),
+        from: event.between.0,
+        to: event.between.1,
+        unit: "s".into(),
+        share_of_mismatch: event.share,
+        p,
+    });
+    let missing = Missing {
         effect: Unnamed::ABOUT.id.into(),
-        says: format!("the error is {:.0} times the noise floor{}, and {why}", size / floor, where_it_is),
+        says: format!("the error is {:.0} times the noise floor{when}: {why}", size / floor),
         equation: String::new(),
         parameters: BTreeMap::new(),
         rms_heldout_before: rms,
@@ -48,18 +90,31 @@ pub fn elsewhere(search: &Search, found: &Hypothesis, p: f64, geometry: Geometry
         indistinguishable_from: Vec::new(),
         experiment: format!("{experiment}: {left} {unit} are left"),
         free_form: None,
-    })
+    };
+    Some((missing, location))
 }
 
-/// Largest error of a block, root mean square.
-fn worst_block(search: &Search, found: &Hypothesis) -> f64 {
-    let blocks = &search.design.blocks;
-    let rms = |k: usize| {
-        let rows = blocks.rows(k);
-        let count = rows.len().max(1) as f64;
-        (rows.map(|r| found.fit.residual[r].powi(2)).sum::<f64>() / count).sqrt()
-    };
-    (0..blocks.len()).map(rms).fold(0.0, f64::max)
+/// The part of the recording with far more error than most others, if there is one.
+fn event(search: &Search, found: &Hypothesis) -> Option<Event> {
+    let (blocks, floor) = (&search.design.blocks, search.design.rms(search.floor));
+    let squared = |k: usize| blocks.rows(k).map(|r| found.fit.residual[r].powi(2)).sum::<f64>();
+    let errors: Vec<f64> =
+        (0..blocks.len()).map(|k| (squared(k) / blocks.rows(k).len().max(1) as f64).sqrt()).collect();
+    let usual = quantile(&errors, 0.5).max(floor);
+    let worst = (0..errors.len()).max_by(|a, b| errors[*a].total_cmp(&errors[*b]))?;
+    if errors[worst] <= ONCE * usual {
+        return None;
+    }
+    let large = |k: &usize| errors[*k] > SEVERAL * usual;
+    let first = (0..=worst).rev().take_while(large).last()?;
+    let last = (worst..errors.len()).take_while(large).last()?;
+    let times = row_times(search.design);
+    let all: f64 = (0..blocks.len()).map(squared).sum();
+    Some(Event {
+        rms: errors[worst],
+        between: (times[blocks.rows(first).start], times[blocks.rows(last).end - 1]),
+        share: (first..=last).map(squared).sum::<f64>() / all,
+    })
 }
 
 /// The further columns that the error follows, and the effects that explain as much without them.

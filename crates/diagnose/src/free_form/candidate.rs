@@ -1,5 +1,6 @@
 //! What a free form may depend on, and where its knots stand.
 
+use crate::free_form::change;
 use crate::library::design_matrix::DesignMatrix;
 use friction::{Coordinate, Factor, FreeForm, FreeFormState, Knots, MAX_KNOTS, MAX_VALUES};
 use signals::quantile;
@@ -13,6 +14,8 @@ pub struct Candidate {
     pub times: Factor,
     /// Time constant of what was slid, s.
     pub memory: f64,
+    /// The moment of a change, s since the start; everything else is smooth.
+    pub change: Option<f64>,
 }
 
 /// Time constants of what was slid, as shares of the length of the longest recording.
@@ -30,7 +33,7 @@ fn all(seconds: f64) -> Vec<Candidate> {
         Acceleration, DistanceSinceReversal, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
     };
     use Factor::{Direction, One, Velocity as Viscous};
-    let curve = |over, times| Candidate { over, across: None, times, memory: 1.0 };
+    let curve = |over, times| Candidate { over, across: None, times, memory: 1.0, change: None };
     let map = |over, across| Candidate { across: Some(across), ..curve(over, One) };
     let mut out = vec![
         curve(Position, One),
@@ -106,8 +109,16 @@ impl Library {
 }
 
 impl Candidate {
+    /// What is multiplied by `times` is another from the moment `at` on, s since the start.
+    pub fn change(at: f64, times: Factor) -> Self {
+        Self { over: Coordinate::Time, across: None, times, memory: 1.0, change: Some(at) }
+    }
+
     /// Numbers of knots to begin with.
     pub fn first_knots(&self) -> (usize, usize) {
+        if self.change.is_some() {
+            return (2, 0);
+        }
         if self.across.is_some() { (FIRST.1, FIRST.1) } else { (FIRST.0, 0) }
     }
 
@@ -132,7 +143,10 @@ impl Candidate {
             .map(|(v, _)| *v)
             .collect();
         let u: Vec<f64> = used.iter().map(|v| v.0).collect();
-        let knots = knots(self.over, &u, first)?;
+        let knots = match self.change {
+            Some(at) => change::knots(design, at)?,
+            None => knots(self.over, &u, first)?,
+        };
         let zero = [0.0; MAX_VALUES];
         let mut form = FreeForm::curve(self.over, self.times, knots, &zero[..knots.places().len()]).ok()?;
         form.memory = probe.memory;

@@ -3,6 +3,7 @@
 use crate::free_form::candidate::Library;
 use crate::free_form::describe::{Described, describe};
 use crate::library::term::TermKind;
+use crate::regression::linear::Fit;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::Search;
 use crate::search::lasting::Regime;
@@ -34,14 +35,20 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
     let free = alone.fit.heldout_sum();
     let names = found.atoms.len() + described.terms.len();
     let fewer = alone.terms.len() < names && free < named;
-    let better = alone.terms.len() == names && named - free > BETTER * (named - search.floor);
-    let contradicted = fewer || better || search.gains(&described.fit, &alone.fit)[0] > 0.0;
+    let as_many = alone.terms.len() == names && is_better(search, &described.fit, &alone.fit);
+    let contradicted = fewer || as_many || search.gains(&described.fit, &alone.fit)[0] > 0.0;
     let resolved = if alone.terms.is_empty() || !contradicted {
         as_named()
     } else {
         restored(search, found, baseline, alone)
     };
     needless(search, resolved)
+}
+
+/// Whether the second of two fits explains so much of what the first leaves that the first is wrong.
+fn is_better(search: &Search, first: &Fit, second: &Fit) -> bool {
+    let (first, second) = (first.heldout_sum(), second.heldout_sum());
+    first - second > BETTER * (first - search.floor)
 }
 
 /// Puts an effect in the place of each free form that it explains as well.
@@ -53,7 +60,9 @@ fn restored(search: &Search, found: &Hypothesis, baseline: &Hypothesis, alone: D
             let atoms = now.found.atoms.iter().chain([&left[i]]).cloned().collect();
             let with = Hypothesis::new(search.design, atoms)?;
             let fitted = now.described.without(search, &with, Some(c))?;
-            let worse = search.gains(&fitted.fit, &now.described.fit)[0] > 0.0;
+            let worse = search.gains(&fitted.fit, &now.described.fit)[0] > 0.0
+                || fitted.fit.heldout_sum() > LEAVES * search.floor
+                    && is_better(search, &fitted.fit, &now.described.fit);
             (!worse && search.physical(&with)).then(|| (fitted.fit.heldout_sum(), i, with, fitted))
         };
         let pairs = (0..left.len()).flat_map(|i| (0..now.described.terms.len()).map(move |c| (i, c)));

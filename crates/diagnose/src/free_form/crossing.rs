@@ -18,24 +18,34 @@ const HOLDS: f64 = 0.5;
 /// Ridge penalty, as a share of a column's power. A column that the other parts do not excite gets no force.
 const PRIOR: f64 = 1e-3;
 
-/// The coordinate, by row, over which a form has to hold.
-fn other(design: &DesignMatrix, candidate: &Candidate) -> Vec<f64> {
+/// The coordinates, by row, over which a form has to hold.
+fn others(design: &DesignMatrix, candidate: &Candidate) -> Vec<Vec<f64>> {
     let (position, velocity) = row_motion(design);
     let axes = [Some(candidate.over), candidate.across];
     let has = |c: Coordinate| axes.contains(&Some(c));
     let magnitudes = |of: &[f64]| of.iter().map(|x| x.abs()).collect();
     match (has(Coordinate::Position), has(Coordinate::Velocity)) {
         // the first column of the baseline is the acceleration
-        (true, true) => magnitudes(&design.baseline[0]),
-        (true, false) => magnitudes(&velocity),
-        _ => position,
+        (true, true) => vec![magnitudes(&design.baseline[0])],
+        (true, false) => vec![magnitudes(&velocity)],
+        (false, true) => vec![position],
+        (false, false) => vec![magnitudes(&velocity), position],
     }
 }
 
-/// Whether `columns` explain `y` in each part of another coordinate, fitted on the others. `basis` is the span of
+/// Whether `columns` explain `y` in each part of every other coordinate, fitted on the others. `basis` is the span of
 /// everything else.
 pub fn holds(design: &DesignMatrix, candidate: &Candidate, basis: &Basis, columns: &[Vec<f64>]) -> bool {
-    let other = other(design, candidate);
+    others(design, candidate).iter().all(|other| holds_over(other, design, candidate, basis, columns))
+}
+
+fn holds_over(
+    other: &[f64],
+    design: &DesignMatrix,
+    candidate: &Candidate,
+    basis: &Basis,
+    columns: &[Vec<f64>],
+) -> bool {
     let used: Vec<usize> =
         (0..other.len()).filter(|r| design.share[*r] > 0.5 && other[*r].is_finite()).collect();
     let values: Vec<f64> = used.iter().map(|r| other[*r]).collect();

@@ -1,6 +1,7 @@
 //! The search for free forms: the one that predicts best what it was not fitted on, then the next.
 
 use crate::free_form::candidate::{Candidate, Library};
+use crate::free_form::change::Changes;
 use crate::free_form::crossing;
 use crate::free_form::term::FreeTerm;
 use crate::library::baseline;
@@ -169,11 +170,17 @@ fn next(
         let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
         Some(Trial { candidate, knots: (first, second), term, fit, p: 1.0 })
     };
-    let mut trials: Vec<Trial> =
-        library.candidates.par_iter().copied().filter_map(|c| trial(c, c.first_knots())).collect();
+    let changes = Changes::new(design, &basis, &so_far.fit.residual);
+    let mut trials: Vec<Trial> = library
+        .candidates
+        .par_iter()
+        .chain(&changes.candidates)
+        .copied()
+        .filter_map(|c| trial(c, c.first_knots()))
+        .collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
-    let p = significance(search, &so_far.fit, &trials, &basis)?;
+    let p = significance(search, &so_far.fit, &trials, &changes.others, &basis)?;
     trials.iter_mut().zip(p).for_each(|(t, p)| t.p = p);
     let map = trials.iter().position(|t| t.candidate.across.is_some());
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
@@ -222,6 +229,9 @@ fn next(
 
 /// Numbers of knots that a candidate is tried with besides the first.
 fn other_knots(candidate: &Candidate) -> Vec<(usize, usize)> {
+    if candidate.change.is_some() {
+        return Vec::new();
+    }
     if candidate.across.is_some() { MAPS.to_vec() } else { CURVES.map(|knots| (knots, 0)).to_vec() }
 }
 
@@ -241,14 +251,20 @@ fn simplest(trials: &mut Vec<Trial>) -> Option<Trial> {
     Some(trials.swap_remove(first))
 }
 
-/// Family-wise p of the best column of each trial.
-fn significance(search: &Search, parent: &Fit, trials: &[Trial], basis: &Basis) -> Option<Vec<f64>> {
+/// Family-wise p of the best column of each trial; `others` belong to the family and to no trial.
+fn significance(
+    search: &Search,
+    parent: &Fit,
+    trials: &[Trial],
+    others: &[Vec<f64>],
+    basis: &Basis,
+) -> Option<Vec<f64>> {
     let child = &trials.first()?.fit;
-    let columns = trials.iter().enumerate();
-    let columns = columns.flat_map(|(i, t)| t.term.columns.iter().map(move |c| (i, c.as_slice()))).collect();
+    let own = trials.iter().enumerate().flat_map(|(i, t)| t.term.columns.iter().map(move |c| (Some(i), c)));
+    let columns = own.chain(others.iter().map(|c| (None, c))).map(|(i, c)| (i, c.as_slice())).collect();
     let (of, family) = search.family(basis, parent, child, columns);
     let mut out = vec![1.0_f64; trials.len()];
-    for (i, p) in of.into_iter().zip(family.p) {
+    for (i, p) in of.into_iter().zip(family.p).filter_map(|(i, p)| Some((i?, p))) {
         out[i] = out[i].min(p);
     }
     Some(out)

@@ -1,6 +1,7 @@
 //! A free form as an entry of what is missing.
 
 use crate::findings::words::short;
+use crate::free_form::change::moment;
 use crate::free_form::describe::Gain;
 use crate::free_form::formula::looks_like;
 use crate::free_form::term::FreeTerm;
@@ -35,7 +36,9 @@ fn words(of: Coordinate) -> String {
 fn experiment(term: &FreeTerm) -> String {
     let axes = [Some(term.form.over), term.form.across.map(|(c, _)| c)];
     let has = |c: Coordinate| axes.contains(&Some(c));
-    if has(Coordinate::Time) {
+    if moment(&term.form).is_some() {
+        "find out what happened at that moment, and repeat the move with it and without it"
+    } else if has(Coordinate::Time) {
         "repeat the same move: an effect of the time since the start begins again, an effect of the time of day does not"
     } else if has(Coordinate::Slid) {
         "slide at one speed, rest for a while, slide again: what was slid fades, a position stays"
@@ -87,12 +90,18 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
         runner_up: f.runner_up,
         made_by: f.made_by.into(),
     });
+    let says = match (moment(form), form.values()) {
+        (Some(at), [before, after]) => {
+            format!("{what} that changes by {} {unit} at {} s", short(after - before), short(at))
+        }
+        _ => format!("{what} over {on}, from {} to {} {unit}", short(low), short(high)),
+    };
     let to_rms = |sum: f64| (sum / rows).sqrt();
     let coordinates: Vec<String> =
         std::iter::once(form.over).chain(across).map(|c| c.id().to_string()).collect();
     Missing {
         effect: Unnamed::ABOUT.id.into(),
-        says: format!("{what} over {on}, from {} to {} {unit}", short(low), short(high)),
+        says,
         equation: format!("{times}f({})", coordinates.join(", ")),
         parameters: BTreeMap::new(),
         rms_heldout_before: to_rms(gain.before),

@@ -1,5 +1,6 @@
 //! A formula for a curve: a sparse search over what machines make, judged by the band of the curve.
 
+use crate::free_form::change::moment;
 use crate::free_form::term::FreeTerm;
 use friction::{Coordinate, Factor};
 use signals::{Basis, dot};
@@ -126,6 +127,10 @@ const FORMS: &[Form] = &[
     },
 ];
 
+/// What in a machine usually changes at one moment.
+const CHANGES: &str = "something that happened once: a part that came loose or was added, a wiper that let go, a supply or a \
+                       gain that was switched";
+
 /// Places tried for each shape parameter, and how often the best is looked at closer.
 const TRIED: usize = 17;
 const CLOSER: usize = 4;
@@ -162,6 +167,17 @@ pub fn looks_like(term: &FreeTerm) -> Option<Formula> {
         return None;
     }
     let (u, values) = (form.knots.places(), form.values());
+    if let (Some(at), [before, after], [std, _]) = (moment(form), values, term.std.as_slice()) {
+        // both values follow from one coefficient, and so do their deviations
+        let change = after - before;
+        return Some(Formula {
+            formula: "step(time - t_0)".into(),
+            gain: (change, (std * change / before).abs()),
+            shape: vec![("t_0".into(), at, true)],
+            runner_up: None,
+            made_by: CHANGES,
+        });
+    }
     let size = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let weight: Vec<f64> = term.std.iter().map(|s| s.max(0.01 * size).recip()).collect();
     let weighted = |of: &dyn Fn(usize) -> f64| (0..u.len()).map(|k| weight[k] * of(k)).collect::<Vec<f64>>();

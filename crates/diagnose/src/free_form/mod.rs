@@ -2,6 +2,7 @@
 //! judged as effects are.
 
 pub mod candidate;
+pub mod change;
 pub mod contradiction;
 pub mod crossing;
 pub mod describe;

@@ -12,6 +12,7 @@ const SPEED: &[&str] = &["velocity", "low_speed"];
 const FAST: &[&str] = &["acceleration", "jerk", "force"];
 const BOTH: &[&str] = &["position", "position_forward", "position_backward", "velocity", "low_speed"];
 const WARM: &[&str] = &["time", "velocity", "low_speed"];
+const ONCE: &[&str] = &["time"];
 const SLID: &[&str] = &["low_speed", "velocity", "time_since_reversal", "distance_since_reversal", "time"];
 
 const fn kind(id: &'static str, shows_over: &'static [&'static str]) -> Kind {
@@ -34,6 +35,8 @@ pub(crate) const ALL: &[Kind] = &[
     kind("warming_grease", WARM),
     kind("screw_tight_in_the_middle", BOTH),
     kind("heated_by_sliding", SLID),
+    kind("friction_steps_once", ONCE),
+    kind("cable_caught_once", ONCE),
 ];
 
 /// A smooth function of two numbers of the size of one.
@@ -86,17 +89,19 @@ pub(crate) fn force(id: &str, f: &Smooth, scale: f64, state: &State) -> f64 {
         }
         "warming_grease" => v * (-3.0 * scale * t.max(0.0) / seconds).exp(),
         "heated_by_sliding" => -v * slid,
+        "cable_caught_once" if (t / seconds - 0.5 * scale).abs() < 0.04 => y,
         _ => 0.0,
     }
 }
 
 /// Friction it adds.
 pub(crate) fn level(id: &str, f: &Smooth, scale: f64, state: &State) -> f64 {
-    let State { y, w, slid, .. } = *state;
+    let State { y, w, t, seconds, slid, .. } = *state;
     match id {
         "random_position_friction" => f.at(y, 0.0),
         "random_slid" => f.at(0.5 * slid, 0.0),
         "dried_lubricant" => (-0.5 * ((y - 0.4 * (scale - 1.0)) / 0.15).powi(2)).exp(),
+        "friction_steps_once" if t > 0.5 * scale * seconds => 1.0,
         "screw_tight_in_the_middle" => w.abs() / SPEED_OF_ALL * (-(y / (0.4 * scale)).powi(2)).exp(),
         _ => 0.0,
     }

@@ -52,3 +52,20 @@ fn a_part_of_something_unknown_was_told_as_compliance_backlash_or_rising_static_
         assert_eq!(named.is_empty(), case["kind"] == "null", "{}", case["hidden"]);
     }
 }
+
+/// Friction that is another from a moment on was told as a drift of seconds; what acted for a second only, as no mismatch.
+#[test]
+fn what_happened_once_was_a_drift_or_nothing() {
+    for case in cases("once", &["friction_steps_once", "cable_caught_once"], (2, 41), 2.0) {
+        let named = case["named"].as_array().unwrap();
+        if case["kind"] == "null" {
+            assert!(named.is_empty(), "nothing is hidden: {named:?}");
+            continue;
+        }
+        assert!(named.len() == 1 && named[0] == "unnamed", "{}: {named:?}", case["hidden"]);
+        assert_eq!(case["located"], true, "{}", case["hidden"]);
+        let explained = case["explained"].as_f64().unwrap();
+        let steps = case["hidden"].to_string().contains("friction_steps_once");
+        assert!(explained > 0.9 || !steps, "{}: {explained:.3} of the next motion", case["hidden"]);
+    }
+}

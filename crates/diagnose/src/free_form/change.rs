@@ -1,0 +1,122 @@
+//! A change at one moment: a force, a level of friction or a viscous coefficient that is another from then on. As a curve
+//! over the time it has two knots, as far apart as two rows; a smooth curve would spread the step over seconds.
+
+use crate::findings::locate::row_times;
+use crate::free_form::candidate::Candidate;
+use crate::library::design_matrix::DesignMatrix;
+use friction::{Coordinate, Factor, FreeForm, Knots};
+use signals::Basis;
+
+/// Blocks that have to be there before a change, and after it.
+const BLOCKS: usize = 2;
+
+/// Smallest share of what changes that has to lie outside of everything else.
+const OUTSIDE: f64 = 1e-3;
+
+/// The best moment of each thing that may change, and its rows for other moments: the family of which the best was taken.
+#[derive(Default)]
+pub struct Changes {
+    pub candidates: Vec<Candidate>,
+    pub others: Vec<Vec<f64>>,
+}
+
+/// What may change, by row: the sum of columns of the baseline, each with its sign.
+fn kinds(design: &DesignMatrix) -> Vec<(Factor, Vec<f64>)> {
+    let sum = |of: [(usize, f64); 2]| {
+        let mut out = vec![0.0; design.y.len()];
+        for (wanted, sign) in of {
+            let column = design.present.iter().position(|p| *p == wanted).map(|i| &design.baseline[i]);
+            for (s, x) in out.iter_mut().zip(column.into_iter().flatten()) {
+                *s += sign * x;
+            }
+        }
+        out
+    };
+    // in one direction a force and a level of friction are the same
+    let force = (!design.is_one_way()).then(|| (Factor::One, sum([(1, 1.0), (2, -1.0)])));
+    let friction =
+        [(Factor::Direction, sum([(1, 1.0), (2, 1.0)])), (Factor::Velocity, sum([(3, 1.0), (4, 1.0)]))];
+    force.into_iter().chain(friction).collect()
+}
+
+impl Changes {
+    /// Changes that explain `residual`, beside what spans `basis`. None in several recordings: what happened at a moment of
+    /// one did not happen at that moment of another.
+    pub fn new(design: &DesignMatrix, basis: &Basis, residual: &[f64]) -> Self {
+        let mut out = Self::default();
+        let one = design.tracks.windows(2).all(|t| t[0].raw.recording == t[1].raw.recording);
+        let edges = &design.blocks.edges;
+        if !one || edges.len() < 4 * BLOCKS {
+            return out;
+        }
+        let inner = &edges[BLOCKS..edges.len() - BLOCKS];
+        let times = row_times(design);
+        let start = design.tracks.first().map_or(0.0, |t| t.raw.start);
+        for (factor, column) in kinds(design) {
+            let Some(row) = best(&column, basis, residual, inner) else { continue };
+            let at = 0.5 * (times[row - 1] + times[row]) - start;
+            out.candidates.push(Candidate::change(at, factor));
+            let from =
+                |edge: &usize| (0..column.len()).map(|r| if r < *edge { 0.0 } else { column[r] }).collect();
+            out.others.extend(inner.iter().step_by(2).map(from));
+        }
+        out
+    }
+}
+
+/// The first row of the part of `column` that explains most of `residual`, among those inside `edges`.
+fn best(column: &[f64], basis: &Basis, residual: &[f64], edges: &[usize]) -> Option<usize> {
+    let (first, last) = (*edges.first()?, *edges.last()?);
+    let whole: f64 = column.iter().map(|x| x * x).sum();
+    let (mut power, mut moment) = (0.0, 0.0);
+    let mut along = vec![0.0; basis.columns().len()];
+    let mut found: Option<(f64, usize)> = None;
+    for row in (first.max(1)..column.len()).rev() {
+        let x = column[row];
+        power += x * x;
+        moment += x * residual[row];
+        for (a, q) in along.iter_mut().zip(basis.columns()) {
+            *a += x * q[row];
+        }
+        let left = power - along.iter().map(|a| a * a).sum::<f64>();
+        if row <= last && left > OUTSIDE * whole {
+            let gain = moment * moment / left;
+            if found.is_none_or(|(most, _)| gain > most) {
+                found = Some((gain, row));
+            }
+        }
+    }
+    found.map(|(_, row)| row)
+}
+
+/// Knots of a change `at` a moment, s since the start.
+pub fn knots(design: &DesignMatrix, at: f64) -> Option<Knots<f64>> {
+    let rows = design.tracks.iter().map(|t| t.stride as f64 * t.raw.dt).fold(0.0, f64::max);
+    Knots::new(&[at - 0.5 * rows, at + 0.5 * rows]).ok()
+}
+
+/// The moment of a curve that is a change, s since the start.
+pub fn moment(form: &FreeForm<f64>) -> Option<f64> {
+    match (form.over, form.across, form.knots.places()) {
+        (Coordinate::Time, None, [before, after]) => Some(0.5 * (before + after)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_row_of_a_step_beside_what_else_is_there() {
+        let wave: Vec<f64> = (0..900).map(|i| (0.05 * f64::from(i)).sin()).collect();
+        let way: Vec<f64> = wave.iter().map(|x| x.signum()).collect();
+        let y: Vec<f64> = (0..900)
+            .map(|i| 3.0 * way[i] + 0.5 * wave[i] + if i < 512 { 0.0 } else { 0.1 * way[i] })
+            .collect();
+        let basis = Basis::of(&[&way[..], &wave[..]]);
+        assert_eq!(best(&way, &basis, &basis.project_out(&y), &[100, 800]), Some(512));
+        // nothing but the whole is left of it: it cannot have changed
+        assert_eq!(best(&[0.0; 900], &basis, &y, &[100, 800]), None);
+    }
+}
