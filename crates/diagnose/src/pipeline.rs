@@ -12,6 +12,7 @@ use crate::findings::unnamed::SEVERAL;
 use crate::findings::validate::{Judge, judges};
 use crate::free_form;
 use crate::free_form::hum::{self, Hum};
+use crate::free_form::term::FreeTerm;
 use crate::library::baseline::BASELINE;
 use crate::library::design_matrix::{DesignMatrix, FEWEST_ROWS};
 use crate::library::series;
@@ -617,8 +618,14 @@ impl Run<'_> {
     /// Error on the recordings that judge; without any, on the regime left out in which the model does worst.
     fn left_out(&self, judges: &[Judge], found: &Hypothesis, search: &Search) -> Option<LeftOut> {
         let named = &self.named;
-        // a hum is fitted over the whole recording; where it is all that was found, no half can judge it
-        if judges.is_empty() && !self.hums.is_empty() && found.atoms.is_empty() && found.free.is_empty() {
+        // a hum is fitted over the whole recording, and no half tells of the time of the other: where they are all that was found,
+        // no half can judge it
+        let of_time = !self.hums.is_empty() || !found.free.is_empty();
+        if judges.is_empty()
+            && of_time
+            && found.atoms.is_empty()
+            && found.free.iter().all(FreeTerm::is_of_time)
+        {
             return None;
         }
         if judges.is_empty() {

@@ -133,7 +133,12 @@ fn conviction(page: &mut Page, d: &Diagnosis) {
     } else {
         "The residual, looked at from every side"
     });
-    page.chart(&residual_over(first, d, 340).caption(hero_caption(first, d)));
+    let told = d.missing.first().is_some_and(|m| m.equation.is_empty());
+    let (hero, rest) = match d.location.first().filter(|l| told && l.coordinate == "time") {
+        Some(when) => (error_when(when, d), curves.as_slice()),
+        None => (residual_over(first, d, 340).caption(hero_caption(first, d)), rest),
+    };
+    page.chart(&hero);
     if !d.location.is_empty() {
         page.html(locations(&d.location));
     }
@@ -165,6 +170,20 @@ fn hero_caption(curve: &Curve, d: &Diagnosis) -> String {
         text.push_str(" The blue curve is the same mean once the missing physics is in the model.");
     }
     text
+}
+
+/// The error over the time, with what happened once.
+fn error_when(when: &Location, d: &Diagnosis) -> Chart {
+    let f = &d.figures;
+    let error = f.force.iter().zip(&f.before).map(|(force, before)| force - before).collect();
+    Chart::new(format!("measured − predicted, {}", d.noise_floor.unit), "time, s", f.time.clone())
+        .height(340)
+        .series("before", Ink::Before, Stroke::Line, error)
+        .regions("when it happened", vec![[when.from, when.to]])
+        .caption(format!(
+            "The shaded stretch holds {} of the squared error.",
+            percent(when.share_of_mismatch)
+        ))
 }
 
 fn residual_over(curve: &Curve, d: &Diagnosis, height: u32) -> Chart {
