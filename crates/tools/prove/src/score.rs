@@ -39,6 +39,10 @@ pub(crate) struct Outcome {
     pub blind: bool,
     /// A coordinate over which the effect shows is among the first three coordinates located; none where none is expected.
     pub located: Option<bool>,
+    /// Whether what was hidden shows over one of the first three coordinates located; none where nothing was located.
+    pub placed: Option<bool>,
+    /// What was hidden shows over a coordinate of the motion.
+    pub has_a_place: bool,
     /// Mean relative error of the effect's parameters.
     pub parameter_error: Option<f64>,
     /// Parameters of the effect, and how many of their 95 % intervals hold the truth.
@@ -90,13 +94,17 @@ pub(crate) fn score(places: &Places, case: usize) -> Result<Outcome> {
         blind: hidden.iter().any(|h| blind.iter().any(|b| b == h)),
         ..Outcome::default()
     };
+    let expected: Vec<&str> =
+        hidden.iter().filter_map(|h| find(h)).flat_map(|k| k.shows_over).copied().collect();
+    let mut over = list(&answer, "location", "coordinate");
+    over.dedup();
+    // a channel that is repaired is told by the channels, not by a place
+    let of_channel = !named.is_empty() && answer["missing"].as_array().is_none_or(Vec::is_empty);
+    let placed = over.iter().take(3).any(|c| expected.contains(&c.as_str()));
+    out.placed = (!over.is_empty()).then_some(placed);
+    out.has_a_place = !expected.is_empty() && !of_channel;
     if label.kind == "single" && first {
-        let expected = find(hidden[0]).map_or(&[][..], |k| k.shows_over);
-        let mut over = list(&answer, "location", "coordinate");
-        over.dedup();
-        // a channel that is repaired is told by the channels, not by a place
-        let of_channel = answer["missing"].as_array().is_none_or(Vec::is_empty);
-        out.located = (!of_channel).then(|| over.iter().take(3).any(|c| expected.contains(&c.as_str())));
+        out.located = (!of_channel).then_some(placed);
         let stated = &leading["parameters"];
         let mut errors = Vec::new();
         for (name, truth) in &label.concealed[0].parameters {

@@ -74,6 +74,13 @@ pub struct Proof {
     pub(crate) never_told: Rate,
     /// The first located coordinates are among those over which the effect shows.
     pub(crate) located: Rate,
+    /// Of the recordings in which something was located, those in which it was hidden there; hidden alone at the noise or above, or
+    /// not at all. What is missing to one is the false discovery rate.
+    pub(crate) location_precision: Rate,
+    /// Of what is hidden alone at the noise or above and shows over a coordinate, what was located there.
+    pub(crate) location_recall: Rate,
+    /// Harmonic mean of the two.
+    pub(crate) location_f1: Option<f64>,
     /// 95 % intervals of an effect's parameters that hold the truth.
     pub(crate) parameter_coverage: Rate,
     /// The same for the baseline's.
@@ -167,8 +174,18 @@ impl Proof {
         for o in loud() {
             *confusion.entry(o.hidden.clone()).or_default().entry(answer(o)).or_default() += 1;
         }
+        let placed = loud().filter(|o| o.has_a_place);
+        let empty = cases.iter().filter(|o| matches!(o.kind.as_str(), "null" | "decoy"));
+        let location_recall = Rate::over(placed.clone(), |o| o.placed == Some(true));
+        let location_precision =
+            Rate::over(placed.chain(empty).filter(|o| o.placed.is_some()), |o| o.placed == Some(true));
+        let (found, missed) = (location_precision, location_recall);
+        let of_both = found.of + missed.of;
         Self {
             schema: "tribos.proof/1",
+            location_precision,
+            location_recall,
+            location_f1: (of_both > 0).then(|| (found.hits + missed.hits) as f64 / of_both as f64),
             single_first: Rate::over(loud(), |o| o.first),
             single_told: Rate::over(loud(), |o| o.told),
             below_noise_first: Rate::over(of("single").filter(|o| o.strength < 1.0), |o| o.first),
@@ -247,6 +264,10 @@ impl Proof {
         }
         let error = share(self.parameter_error_median);
         let explained = self.explained_median.map_or_else(|| "–".into(), |x| format!("{x:.3}"));
+        let Rate { hits, of, .. } = self.location_precision;
+        let false_share = share((of > 0).then(|| 1.0 - hits as f64 / of as f64));
+        let location =
+            self.location_f1.map_or_else(|| "not asked".into(), |f1| format!("{false_share}, {f1:.3}"));
         let lines = [
             ("named first, 1 × the noise and above", self.single_first.said()),
             ("  or said to be its equal, or invisible here", self.single_told.said()),
@@ -257,6 +278,9 @@ impl Proof {
             ("something named beside the effect that is there", self.extra_named.said()),
             ("what no motion shows, said so", self.never_told.said()),
             ("located where it shows", self.located.said()),
+            ("located: of what was told, right (precision)", self.location_precision.said()),
+            ("located: of what is hidden, told (recall)", self.location_recall.said()),
+            ("located: false discovery rate, F1", location),
             ("95 % intervals of effect parameters hold the truth", self.parameter_coverage.said()),
             ("95 % intervals of baseline parameters", self.baseline_coverage.said()),
             ("95 % intervals of the held-out gain", self.gain_coverage.said()),
