@@ -2,6 +2,7 @@
 
 pub mod ambiguity;
 pub mod channel;
+pub mod event;
 pub mod export;
 pub mod floor;
 pub mod free_run;

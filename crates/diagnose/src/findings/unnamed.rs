@@ -1,6 +1,6 @@
 //! What the motion does not explain: errors that follow a further column of the recording, or nothing in it.
 
-use crate::findings::locate::row_times;
+use crate::findings::event::{Event, event};
 use crate::findings::words::short;
 use crate::library::term::TermKind;
 use crate::result::{Location, Missing};
@@ -9,7 +9,6 @@ use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::{LEVEL, Search};
 use friction::effects::{Describe, Unnamed};
 use friction::{Dimension, Geometry};
-use signals::quantile;
 use std::collections::BTreeMap;
 
 /// Error over the noise floor above which something is missing although no effect describes it, if the error follows a
@@ -17,19 +16,6 @@ use std::collections::BTreeMap;
 pub const SEVERAL: f64 = 3.0;
 /// The same if the error follows no coordinate.
 const MANY: f64 = 10.0;
-/// Error of one part of the recording, over the noise floor and over the error of most other parts, above which something happened
-/// once.
-const ONCE: f64 = 5.0;
-
-/// A part of the recording in which something happened once.
-struct Event {
-    /// Root mean square of the error of its worst block.
-    rms: f64,
-    /// From when to when, s.
-    between: (f64, f64),
-    /// Share of the squared error that lies in it.
-    share: f64,
-}
 
 /// An error of several floors that nothing in the catalogue describes: a statement about the recording, not a model; and when
 /// it happened, where it happened once.
@@ -92,29 +78,6 @@ pub fn elsewhere(
         free_form: None,
     };
     Some((missing, location))
-}
-
-/// The part of the recording with far more error than most others, if there is one.
-fn event(search: &Search, found: &Hypothesis) -> Option<Event> {
-    let (blocks, floor) = (&search.design.blocks, search.design.rms(search.floor));
-    let squared = |k: usize| blocks.rows(k).map(|r| found.fit.residual[r].powi(2)).sum::<f64>();
-    let errors: Vec<f64> =
-        (0..blocks.len()).map(|k| (squared(k) / blocks.rows(k).len().max(1) as f64).sqrt()).collect();
-    let usual = quantile(&errors, 0.5).max(floor);
-    let worst = (0..errors.len()).max_by(|a, b| errors[*a].total_cmp(&errors[*b]))?;
-    if errors[worst] <= ONCE * usual {
-        return None;
-    }
-    let large = |k: &usize| errors[*k] > SEVERAL * usual;
-    let first = (0..=worst).rev().take_while(large).last()?;
-    let last = (worst..errors.len()).take_while(large).last()?;
-    let times = row_times(search.design);
-    let all: f64 = (0..blocks.len()).map(squared).sum();
-    Some(Event {
-        rms: errors[worst],
-        between: (times[blocks.rows(first).start], times[blocks.rows(last).end - 1]),
-        share: (first..=last).map(squared).sum::<f64>() / all,
-    })
 }
 
 /// The further columns that the error follows, and the effects that explain as much without them.

@@ -3,6 +3,7 @@
 
 use crate::findings::locate::row_times;
 use crate::free_form::candidate::Candidate;
+use crate::library::baseline::{BACKWARD, FORWARD};
 use crate::library::design_matrix::DesignMatrix;
 use friction::{Coordinate, Factor, FreeForm, Knots};
 use signals::Basis;
@@ -32,10 +33,13 @@ fn kinds(design: &DesignMatrix) -> Vec<(Factor, Vec<f64>)> {
         }
         out
     };
+    let ([_, c_p, b_p], [_, c_n, b_n]) = (FORWARD, BACKWARD);
     // in one direction a force and a level of friction are the same
-    let force = (!design.is_one_way()).then(|| (Factor::One, sum([(1, 1.0), (2, -1.0)])));
-    let friction =
-        [(Factor::Direction, sum([(1, 1.0), (2, 1.0)])), (Factor::Velocity, sum([(3, 1.0), (4, 1.0)]))];
+    let force = (!design.is_one_way()).then(|| (Factor::One, sum([(c_p, 1.0), (c_n, -1.0)])));
+    let friction = [
+        (Factor::Direction, sum([(c_p, 1.0), (c_n, 1.0)])),
+        (Factor::Velocity, sum([(b_p, 1.0), (b_n, 1.0)])),
+    ];
     force.into_iter().chain(friction).collect()
 }
 
