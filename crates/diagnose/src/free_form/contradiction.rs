@@ -14,6 +14,9 @@ const LEAVES: f64 = 2.0;
 /// Share of what names leave above the floor that as many free forms have to explain to contradict them.
 const BETTER: f64 = 0.25;
 
+/// Relative increase of the held-out error up to which fewer free forms are as good as names and forms together.
+const AS_GOOD: f64 = 0.02;
+
 /// Confirmed names, free forms, and the names that the free forms contradict.
 pub struct Resolved {
     pub found: Hypothesis,
@@ -34,7 +37,7 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
     let alone = describe(search, &library, baseline, regimes);
     let free = alone.fit.heldout_sum();
     let names = found.atoms.len() + described.terms.len();
-    let fewer = alone.terms.len() < names && free < named;
+    let fewer = alone.terms.len() < names && free < (1.0 + AS_GOOD) * named;
     let as_many = alone.terms.len() == names && is_better(search, &described.fit, &alone.fit);
     let contradicted = fewer || as_many || search.gains(&described.fit, &alone.fit)[0] > 0.0;
     let resolved = if alone.terms.is_empty() || !contradicted {
