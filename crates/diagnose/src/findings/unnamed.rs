@@ -36,7 +36,7 @@ pub fn elsewhere(
     }
     let (size, when) = match &event {
         Some(Event { rms, between: (from, to), .. }) => {
-            (*rms, format!(" from {} to {} s, and small elsewhere", short(*from), short(*to)))
+            (*rms, format!(" from {} to {} s and small elsewhere", short(*from), short(*to)))
         }
         None => (rms, String::new()),
     };
@@ -66,7 +66,7 @@ pub fn elsewhere(
     });
     let missing = Missing {
         effect: Unnamed::ABOUT.id.into(),
-        says: format!("the error is {:.0} times the noise floor{when}: {why}", size / floor),
+        says: format!("the error is {:.0} times the noise floor{when}, and {why}", size / floor),
         equation: String::new(),
         parameters: BTreeMap::new(),
         rms_heldout_before: rms,

@@ -29,6 +29,8 @@ fn others(design: &DesignMatrix, candidate: &Candidate) -> Vec<Vec<f64>> {
         (true, true) => vec![magnitudes(&design.baseline[0])],
         (true, false) => vec![magnitudes(&velocity)],
         (false, true) => vec![position],
+        // each moment is there once, and with it the speeds at that moment
+        (false, false) if has(Coordinate::Time) => vec![position],
         (false, false) => vec![magnitudes(&velocity), position],
     }
 }

@@ -182,6 +182,9 @@ fn next(
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
     let p = significance(search, &so_far.fit, &trials, &changes.others, &basis)?;
     trials.iter_mut().zip(p).for_each(|(t, p)| t.p = p);
+    // a change has no other knots, and takes no place of a curve that has
+    let (changes, mut trials): (Vec<Trial>, Vec<Trial>) =
+        trials.into_iter().partition(|t| t.candidate.change.is_some());
     let map = trials.iter().position(|t| t.candidate.across.is_some());
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
     let refined = |i: usize| {
@@ -193,6 +196,7 @@ fn next(
     let finer: Vec<Trial> = closest.into_par_iter().flat_map(refined).collect();
     trials.truncate(CLOSER);
     trials.extend(finer);
+    trials.extend(changes);
     let before = so_far.fit.heldout_sum();
     let material = (MATERIAL * (before - search.floor))
         .max(SEEN * search.floor)
