@@ -1,6 +1,5 @@
 //! What a free form may depend on, and where its knots stand.
 
-use crate::free_form::change;
 use crate::library::design_matrix::DesignMatrix;
 use friction::{Coordinate, Factor, FreeForm, FreeFormState, Knots, MAX_KNOTS, MAX_VALUES};
 use signals::quantile;
@@ -144,7 +143,7 @@ impl Candidate {
             .collect();
         let u: Vec<f64> = used.iter().map(|v| v.0).collect();
         let knots = match self.change {
-            Some(at) => change::knots(design, at)?,
+            Some(at) => at_a_moment(design, at)?,
             None => knots(self.over, &u, first)?,
         };
         let zero = [0.0; MAX_VALUES];
@@ -185,4 +184,10 @@ fn knots(of: Coordinate, values: &[f64], count: usize) -> Option<Knots<f64>> {
         .collect();
     places.dedup_by(|a, b| scale(*a) - scale(*b) <= 1e-3 * span);
     Knots::new(&places).ok()
+}
+
+/// Knots of a change `at` a moment, s since the start.
+fn at_a_moment(design: &DesignMatrix, at: f64) -> Option<Knots<f64>> {
+    let rows = design.tracks.iter().map(|t| t.stride as f64 * t.raw.dt).fold(0.0, f64::max);
+    Knots::new(&[at - 0.5 * rows, at + 0.5 * rows]).ok()
 }

@@ -5,7 +5,7 @@ use crate::findings::locate::row_times;
 use crate::free_form::candidate::Candidate;
 use crate::library::baseline::{BACKWARD, FORWARD};
 use crate::library::design_matrix::DesignMatrix;
-use friction::{Coordinate, Factor, FreeForm, Knots};
+use friction::{Coordinate, Factor, FreeForm};
 use signals::Basis;
 
 /// Blocks that have to be there before a change, and after it.
@@ -91,12 +91,6 @@ fn best(column: &[f64], basis: &Basis, residual: &[f64], edges: &[usize]) -> Opt
         }
     }
     found.map(|(_, row)| row)
-}
-
-/// Knots of a change `at` a moment, s since the start.
-pub fn knots(design: &DesignMatrix, at: f64) -> Option<Knots<f64>> {
-    let rows = design.tracks.iter().map(|t| t.stride as f64 * t.raw.dt).fold(0.0, f64::max);
-    Knots::new(&[at - 0.5 * rows, at + 0.5 * rows]).ok()
 }
 
 /// The moment of a curve that is a change, s since the start.
