@@ -101,7 +101,7 @@ fn headline(d: &Diagnosis) -> String {
     };
     let mut says = sentence(&first.says);
     match d.missing.len() {
-        // told of the recording, not of a law
+        // a statement about the recording, not a law
         1 if first.equation.is_empty() => {}
         1 => says.push_str(" The simulation leaves that out."),
         2 => says.push_str(" The simulation leaves that out, and one effect more."),

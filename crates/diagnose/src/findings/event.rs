@@ -18,7 +18,7 @@ pub struct Event {
     pub rms: f64,
     /// From when to when, s.
     pub between: (f64, f64),
-    /// Share of the squared error that lies in it.
+    /// Its share of the squared error.
     pub share: f64,
 }
 

@@ -98,7 +98,7 @@ pub(crate) fn score(places: &Places, case: usize) -> Result<Outcome> {
         hidden.iter().filter_map(|h| find(h)).flat_map(|k| k.shows_over).copied().collect();
     let mut over = list(&answer, "location", "coordinate");
     over.dedup();
-    // a channel that is repaired is told by the channels, not by a place
+    // a repaired channel is found by comparing channels and has no location
     let of_channel = !named.is_empty() && answer["missing"].as_array().is_none_or(Vec::is_empty);
     let placed = over.iter().take(3).any(|c| expected.contains(&c.as_str()));
     out.placed = (!over.is_empty()).then_some(placed);
