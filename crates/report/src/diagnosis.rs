@@ -6,7 +6,7 @@ use crate::fragments::{experiment, faults, parameters};
 use crate::number::{html as number, html_with_std as with_std, p_value, percent};
 use crate::page::{Page, words};
 use diagnose::{
-    Bin, CarriesNot, Curve, Diagnosis, ForceError, FreeCurve, FreeFormFinding, Location, LooksLike, Missing,
+    Bin, CarriesNot, Curve, Diagnosis, ForceError, FreeFormFinding, Location, LooksLike, Missing,
     PerRecording, Verdict,
 };
 use std::fmt::Write;
@@ -174,16 +174,29 @@ fn hero_caption(curve: &Curve, d: &Diagnosis) -> String {
 
 /// The error over the time, with what happened once.
 fn error_when(when: &Location, d: &Diagnosis) -> Chart {
+    let (error, starts) = error_over_time(d);
+    // recordings laid end to end have another time
+    let regions = if starts.is_empty() { vec![[when.from, when.to]] } else { Vec::new() };
+    error.height(340).regions("when it happened", regions).caption(format!(
+        "The shaded stretch holds {} of the squared error.",
+        percent(when.share_of_mismatch)
+    ))
+}
+
+/// Measured minus predicted force over the time, and where another recording starts.
+fn error_over_time(d: &Diagnosis) -> (Chart, Vec<usize>) {
     let f = &d.figures;
-    let error = f.force.iter().zip(&f.before).map(|(force, before)| force - before).collect();
-    Chart::new(format!("measured − predicted, {}", d.noise_floor.unit), "time, s", f.time.clone())
-        .height(340)
-        .series("before", Ink::Before, Stroke::Line, error)
-        .regions("when it happened", vec![[when.from, when.to]])
-        .caption(format!(
-            "The shaded stretch holds {} of the squared error.",
-            percent(when.share_of_mismatch)
-        ))
+    let (time, starts) = laid_end_to_end(&f.time);
+    let less = |model: &[f64]| -> Vec<f64> {
+        broken_at(&f.force.iter().zip(model).map(|(m, p)| m - p).collect::<Vec<_>>(), &starts)
+    };
+    let mut error = Chart::new(format!("measured − predicted, {}", d.noise_floor.unit), "time, s", time)
+        .sync("time")
+        .series("before", Ink::Before, Stroke::Line, less(&f.before));
+    if !d.missing.is_empty() && f.after != f.before {
+        error = error.series("after", Ink::After, Stroke::Line, less(&f.after));
+    }
+    (error, starts)
 }
 
 fn residual_over(curve: &Curve, d: &Diagnosis, height: u32) -> Chart {
@@ -243,7 +256,10 @@ fn findings(page: &mut Page, d: &Diagnosis) {
     for m in &d.missing {
         page.html(finding(m, &d.noise_floor.unit));
         if let Some(form) = &m.free_form {
-            page.chart(&free_form(form, d.figures.time.last().copied()));
+            page.chart(&free_form(
+                form,
+                d.figures.time.first().zip(d.figures.time.last()).map(|(a, b)| b - a),
+            ));
             if let Some(hint) = &form.looks_like {
                 page.html(looks_like(hint));
             }
@@ -273,25 +289,19 @@ fn looks_like(hint: &LooksLike) -> String {
 }
 
 /// The curve of what has no name with its 95 % interval; of a map a curve at the middle and at either end.
-/// `end` is the time at which the recording ends, s.
-fn free_form(form: &FreeFormFinding, end: Option<f64>) -> Chart {
-    let change = match (form.coordinates.as_slice(), form.curve.knots.as_slice()) {
-        ([time], &[before, after]) if time == "time" => Some((before, after)),
-        _ => None,
-    };
-    let c = &match (change, end) {
-        // of a change what was before it and what is after it, too
-        (Some((before, after)), Some(end)) => {
-            let twice = |of: &[f64]| of.iter().flat_map(|x| [*x; 2]).collect();
-            FreeCurve {
-                knots: vec![0.0, before, after, end.max(after)],
-                values: twice(&form.curve.values),
-                band: twice(&form.curve.band),
-                ..form.curve.clone()
-            }
-        }
-        _ => form.curve.clone(),
-    };
+/// `seconds` is the length of the recording.
+fn free_form(form: &FreeFormFinding, seconds: Option<f64>) -> Chart {
+    let mut c = form.curve.clone();
+    // a curve stays at its ends, and a change at a moment has nothing but ends
+    if let ([only], Some(seconds)) = (form.coordinates.as_slice(), seconds)
+        && only == "time"
+        && c.period_s.is_none()
+    {
+        let held = |of: &[f64]| of.first().into_iter().chain(of).chain(of.last()).copied().collect();
+        (c.values, c.band) = (held(&c.values), held(&c.band));
+        let last = c.knots.last().map_or(seconds, |last| last.max(seconds));
+        c.knots = [&[0.0], c.knots.as_slice(), &[last]].concat();
+    }
     let axis = |i: usize| {
         let name = form.coordinates.get(i).map_or_else(String::new, |n| n.replace('_', " "));
         match form.units.get(i).filter(|u| !u.is_empty()) {
@@ -485,9 +495,6 @@ fn comparison(page: &mut Page, d: &Diagnosis) {
     let (time, starts) = laid_end_to_end(&f.time);
     let line = |v: &[f64]| broken_at(v, &starts);
     let unit = &d.noise_floor.unit;
-    let less = |model: &[f64]| -> Vec<f64> {
-        line(&f.force.iter().zip(model).map(|(m, p)| m - p).collect::<Vec<_>>())
-    };
     let named = !d.missing.is_empty();
     page.heading("Measured against simulated");
     let mut force = Chart::new(format!("force, {unit}"), "time, s", time.clone())
@@ -495,16 +502,11 @@ fn comparison(page: &mut Page, d: &Diagnosis) {
         .sync("time")
         .series("measured", Ink::Measured, Stroke::Line, line(&f.force))
         .series("before", Ink::Before, Stroke::Line, line(&f.before));
-    let mut error = Chart::new(format!("measured − predicted, {unit}"), "time, s", time.clone())
-        .height(220)
-        .sync("time")
-        .series("before", Ink::Before, Stroke::Line, less(&f.before));
     if named {
         force = force.series("after", Ink::After, Stroke::Dashed, line(&f.after));
-        error = error.series("after", Ink::After, Stroke::Line, less(&f.after));
     }
     page.chart(&force);
-    page.chart(&error.caption(
+    page.chart(&error_over_time(d).0.height(220).caption(
         "Each sample is predicted by a fit that did not see its block. Drag across a chart to look closer, double-click to go back.",
     ));
     if f.free_run_position.len() == f.time.len() {

@@ -56,6 +56,8 @@ pub fn elsewhere(
             "record other influences on this body (other joints, a temperature, a supply, a load) as further columns",
         ),
     };
+    // p is of means over coordinates; an event is far beyond what noise does in any block
+    let p = if event.is_some() { p.min(LEVEL) } else { p };
     let location = event.map(|event| Location {
         coordinate: "time".into(),
         from: event.between.0,

@@ -32,7 +32,7 @@ fn all(seconds: f64) -> Vec<Candidate> {
         Acceleration, DistanceSinceReversal, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
     };
     use Factor::{Direction, One, Velocity as Viscous};
-    let curve = |over, times| Candidate { over, across: None, times, memory: 1.0, change: None };
+    let curve = Candidate::curve;
     let map = |over, across| Candidate { across: Some(across), ..curve(over, One) };
     let mut out = vec![
         curve(Position, One),
@@ -108,9 +108,14 @@ impl Library {
 }
 
 impl Candidate {
+    /// A curve over one coordinate.
+    fn curve(over: Coordinate, times: Factor) -> Self {
+        Self { over, across: None, times, memory: 1.0, change: None }
+    }
+
     /// What is multiplied by `times` is another from the moment `at` on, s since the start.
     pub fn change(at: f64, times: Factor) -> Self {
-        Self { over: Coordinate::Time, across: None, times, memory: 1.0, change: Some(at) }
+        Self { change: Some(at), ..Self::curve(Coordinate::Time, times) }
     }
 
     /// Numbers of knots to begin with.
@@ -124,6 +129,9 @@ impl Candidate {
     /// The form with knots where the motion is: `first` on its first axis, `second` on the other. None where a coordinate
     /// does not change.
     pub fn form(&self, design: &DesignMatrix, first: usize, second: usize) -> Option<FreeForm<f64>> {
+        if let Some(at) = self.change {
+            return FreeForm::curve(self.over, self.times, at_a_moment(design, at)?, &[0.0; 2]).ok();
+        }
         let placeholder = Knots::new(&[0.0, 1.0]).ok()?;
         let mut probe = FreeForm::curve(self.over, self.times, placeholder, &[0.0; 2]).ok()?;
         probe.memory = self.memory.max(1e-6);
@@ -142,10 +150,7 @@ impl Candidate {
             .map(|(v, _)| *v)
             .collect();
         let u: Vec<f64> = used.iter().map(|v| v.0).collect();
-        let knots = match self.change {
-            Some(at) => at_a_moment(design, at)?,
-            None => knots(self.over, &u, first)?,
-        };
+        let knots = knots(self.over, &u, first)?;
         let zero = [0.0; MAX_VALUES];
         let mut form = FreeForm::curve(self.over, self.times, knots, &zero[..knots.places().len()]).ok()?;
         form.memory = probe.memory;

@@ -38,15 +38,18 @@ fn others(design: &DesignMatrix, candidate: &Candidate) -> Vec<Vec<f64>> {
 /// Whether `columns` explain `y` in each part of every other coordinate, fitted on the others. `basis` is the span of
 /// everything else.
 pub fn holds(design: &DesignMatrix, candidate: &Candidate, basis: &Basis, columns: &[Vec<f64>]) -> bool {
-    others(design, candidate).iter().all(|other| holds_over(other, design, candidate, basis, columns))
+    let own: Vec<Vec<f64>> = columns.iter().map(|c| basis.project_out(c)).collect();
+    let y = basis.project_out(&design.y);
+    others(design, candidate).iter().all(|other| holds_over(other, design, candidate, &own, &y))
 }
 
+/// The same over one coordinate, of what is outside the span.
 fn holds_over(
     other: &[f64],
     design: &DesignMatrix,
     candidate: &Candidate,
-    basis: &Basis,
-    columns: &[Vec<f64>],
+    own: &[Vec<f64>],
+    y: &[f64],
 ) -> bool {
     let used: Vec<usize> =
         (0..other.len()).filter(|r| design.share[*r] > 0.5 && other[*r].is_finite()).collect();
@@ -56,8 +59,6 @@ fn holds_over(
         let band = edges.partition_point(|e| *e <= other[*r]);
         if candidate.across.is_some() { band * PARTS / BANDS } else { band % PARTS }
     };
-    let own: Vec<Vec<f64>> = columns.iter().map(|c| basis.project_out(c)).collect();
-    let y = basis.project_out(&design.y);
     let power: Vec<f64> = own.iter().map(|c| PRIOR * dot(c, c)).collect();
     let fitted = |rows: &[usize]| {
         let of = |column: &[f64], prior: &dyn Fn(usize) -> f64| -> Vec<f64> {
@@ -68,7 +69,7 @@ fn holds_over(
             .enumerate()
             .map(|(i, c)| of(c, &|k| if k == i { power[i].sqrt() } else { 0.0 }))
             .collect();
-        solve(&with_prior, &of(&y, &|_| 0.0))
+        solve(&with_prior, &of(y, &|_| 0.0))
     };
     let error = |rows: &[usize], coefficients: &[f64]| -> f64 {
         let left = |r: &usize| y[*r] - own.iter().zip(coefficients).map(|(c, b)| c[*r] * b).sum::<f64>();

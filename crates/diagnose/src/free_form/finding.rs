@@ -92,7 +92,11 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
     });
     let says = match (moment(form), form.values()) {
         (Some(at), [before, after]) => {
-            format!("{what} that changes by {} {unit} at {} s", short(after - before), short(at))
+            format!(
+                "{what} that changes by {} {unit}, {} s after the start",
+                short(after - before),
+                short(at)
+            )
         }
         _ => format!("{what} over {on}, from {} to {} {unit}", short(low), short(high)),
     };
