@@ -34,6 +34,9 @@ const REMAINS: f64 = 4.0;
 /// Share of the squared error above the floor below which an explanation is a small part.
 const SMALL: f64 = 1.0 / 3.0;
 
+/// The same of several names: together they leave more than they explain.
+const LESS_THAN_LEFT: f64 = 0.5;
+
 /// Searches at most: one more after each in which something did not last.
 const ROUNDS: usize = 3;
 
@@ -179,7 +182,8 @@ impl Named {
         let search = self.search(options, cutoff);
         let (floor, baseline) = (search.floor, self.regression.baseline.clone());
         let (before, after) = (baseline.fit.heldout_sum(), self.last.fit.heldout_sum());
-        if after < REMAINS * floor || before - after >= SMALL * (before - floor) {
+        let least = if self.found.atoms.len() > 1 { LESS_THAN_LEFT } else { SMALL };
+        if after < REMAINS * floor || before - after >= least * (before - floor) {
             return;
         }
         let regime = format!(

@@ -74,13 +74,29 @@ pub struct Library {
 const KEPT: usize = 20_000;
 
 impl Library {
+    /// The candidates whose coordinates are measured. An acceleration derived from the position alone is none: its noise is
+    /// that of the mass's column, and noise would depend on it.
     pub fn new(design: &DesignMatrix) -> Self {
+        let mut library = Self::of_all(design);
+        if !Self::measures_acceleration(design) {
+            library.candidates.retain(|c| c.over != Coordinate::Acceleration);
+        }
+        library
+    }
+
+    /// The candidates over a derived acceleration as well, for errors that the others and the names do not explain. None where
+    /// all are in [`Self::new`].
+    pub fn wider(design: &DesignMatrix) -> Option<Self> {
+        (!Self::measures_acceleration(design)).then(|| Self::of_all(design))
+    }
+
+    fn of_all(design: &DesignMatrix) -> Self {
         let seconds = design.tracks.iter().map(|t| t.len() as f64 * t.raw.dt).fold(0.0, f64::max);
-        // derived from the position alone, its noise is that of the mass's column: noise would depend on it
-        let measured = design.tracks.iter().all(|t| t.raw.velocity.is_some() || t.raw.acceleration.is_some());
-        let mut candidates = all(seconds);
-        candidates.retain(|c| measured || c.over != Coordinate::Acceleration);
-        Self { candidates, kept: Mutex::default() }
+        Self { candidates: all(seconds), kept: Mutex::default() }
+    }
+
+    fn measures_acceleration(design: &DesignMatrix) -> bool {
+        design.tracks.iter().all(|t| t.raw.velocity.is_some() || t.raw.acceleration.is_some())
     }
 
     /// Candidates that depend on the motion alone.

@@ -27,23 +27,32 @@ pub struct Resolved {
 /// Describes what `found` leaves, and takes back every name that the description contradicts.
 pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline: &Hypothesis) -> Resolved {
     let library = Library::new(search.design);
-    let described = describe(search, &library, found, regimes);
-    let as_named = || Resolved { found: found.clone(), described: described.clone(), kin: Vec::new() };
+    let mut described = describe(search, &library, found, regimes);
     let named = described.fit.heldout_sum();
-    let one = found.atoms.len() == 1 && described.terms.is_empty() && named < LEAVES * search.floor;
-    if found.atoms.is_empty() || one {
+    let much = named > LEAVES * search.floor;
+    let wider = || much.then(|| Library::wider(search.design)).flatten();
+    if found.atoms.is_empty() {
+        if let Some(wider) = wider().filter(|_| described.terms.is_empty()) {
+            described = describe(search, &wider, found, regimes);
+        }
+        return Resolved { found: found.clone(), described, kin: Vec::new() };
+    }
+    let as_named = || Resolved { found: found.clone(), described: described.clone(), kin: Vec::new() };
+    if found.atoms.len() == 1 && described.terms.is_empty() && !much {
         return as_named();
     }
-    let alone = describe(search, &library, baseline, regimes);
-    let free = alone.fit.heldout_sum();
     let names = found.atoms.len() + described.terms.len();
-    let fewer = alone.terms.len() < names && free < (1.0 + AS_GOOD) * named;
-    let as_many = alone.terms.len() == names && is_better(search, &described.fit, &alone.fit);
-    let contradicted = fewer || as_many || search.gains(&described.fit, &alone.fit)[0] > 0.0;
-    let resolved = if alone.terms.is_empty() || !contradicted {
-        as_named()
-    } else {
-        restored(search, found, baseline, alone)
+    let contradicts = |alone: &Described| {
+        let free = alone.fit.heldout_sum();
+        let fewer = alone.terms.len() < names && free < (1.0 + AS_GOOD) * named;
+        let as_many = alone.terms.len() == names && is_better(search, &described.fit, &alone.fit);
+        let gains = || search.gains(&described.fit, &alone.fit)[0] > 0.0;
+        !alone.terms.is_empty() && (fewer || as_many || gains())
+    };
+    let alone = |library: &Library| Some(describe(search, library, baseline, regimes)).filter(&contradicts);
+    let resolved = match alone(&library).or_else(|| alone(&wider()?)) {
+        Some(alone) => restored(search, found, baseline, alone),
+        None => as_named(),
     };
     needless(search, resolved)
 }

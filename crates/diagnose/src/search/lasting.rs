@@ -295,11 +295,31 @@ fn on_bound(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
             if atom.term.shape[axis] * PERIODS > high - low && is_a_bend(search, found, i) {
                 return Some("fewer than three wavelengths on the stroke".into());
             }
+            if path_that_passes(search, atom.term.shape[axis]) < PASSING {
+                return Some("too fine for the filter on most of the path".into());
+            }
         } else if at_end(search, atom, axis) && is_pushed(search, found, i, axis) {
             return Some(format!("{} ends on a bound", parameter.name));
         }
     }
     None
+}
+
+/// Share of the path on which a line has to pass the filter. Where it is less, it acts at the few slow moments beside reversals, where any
+/// friction at low speed looks like it.
+const PASSING: f64 = 0.3;
+
+/// Share of the path on which a line over the position is slow enough in time for the filter.
+fn path_that_passes(search: &Search, wavelength: f64) -> f64 {
+    let (mut passing, mut all) = (0.0, 0.0);
+    for t in &search.design.tracks {
+        for (v, mask) in t.v.iter().zip(&t.mask) {
+            let way = mask * v.abs() * t.raw.dt;
+            all += way;
+            passing += if v.abs() <= wavelength * t.filter.cutoff() { way } else { 0.0 };
+        }
+    }
+    if all > 0.0 { passing / all } else { 1.0 }
 }
 
 /// Whether a curve of the position explains most of what the line `i` does: any bend looks like a piece of a wave. A wave of the encoder
@@ -333,8 +353,9 @@ fn is_a_bend(search: &Search, found: &Hypothesis, i: usize) -> bool {
 }
 
 /// Error that a line explains over what its neighbours explain of the rest from which on it is one. The best of all
-/// wavelengths explains about ten times as much of white noise as they do, and those of a machine hundreds of times.
-const STANDS_OUT: f64 = 15.0;
+/// wavelengths explains about ten times as much of white noise as they do, those of a machine at half the noise sixty times and
+/// more.
+const STANDS_OUT: f64 = 25.0;
 
 /// Distances of the neighbours in wavenumber, in cycles on the stroke: beyond what the line itself leaks there.
 const NEIGHBOURS: [f64; 8] = [-4.5, -3.5, -2.5, -1.5, 1.5, 2.5, 3.5, 4.5];
