@@ -12,7 +12,7 @@ use crate::options::{Interrupted, Options, Watch, tell};
 use crate::preparation::intake::Intake;
 use crate::search::applied_force;
 use crate::search::catalogue::Catalogue;
-use crate::search::hypothesis::Hypothesis;
+use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::Search;
 use crate::search::lasting::{self, Regime, Withdrawn};
 use crate::search::refine::FINE;
@@ -173,6 +173,9 @@ impl Named {
             self.last = self.found.clone();
         }
         self.withdraw_a_small_part(options, cutoff);
+        if judges.is_empty() {
+            self.withdraw_what_costs(options, cutoff);
+        }
         Ok(())
     }
 
@@ -180,7 +183,7 @@ impl Named {
     /// the rest is unknown, a part of it looks like any effect.
     fn withdraw_a_small_part(&mut self, options: &Options, cutoff: f64) {
         let search = self.search(options, cutoff);
-        let (floor, baseline) = (search.floor, self.regression.baseline.clone());
+        let (floor, baseline) = (search.floor, &self.regression.baseline);
         let (before, after) = (baseline.fit.heldout_sum(), self.last.fit.heldout_sum());
         let least = if self.found.atoms.len() > 1 { LESS_THAN_LEFT } else { SMALL };
         if after < REMAINS * floor || before - after >= least * (before - floor) {
@@ -190,9 +193,25 @@ impl Named {
             "everything found explains only {:.0} % of the squared error above the noise floor",
             100.0 * (before - after) / (before - floor)
         );
-        let rms = (search.design.rms(before), search.design.rms(after));
-        let taken_back = |kind| Withdrawn { kind, regime: regime.clone(), rms };
-        self.withdrawn.extend(self.found.atoms.iter().map(|a| taken_back(a.term.kind)));
+        self.take_back(&regime, (search.design.rms(before), search.design.rms(after)));
+    }
+
+    /// Withdraws everything where it does worse than the baseline in the recording or the half of the time that is left out.
+    fn withdraw_what_costs(&mut self, options: &Options, cutoff: f64) {
+        let plain = self.regression.plain_columns();
+        let search = self.search(options, cutoff);
+        if let Some((regime, before, after)) = lasting::left_out(&search, &self.last, &self.regimes, plain)
+            && after > before
+        {
+            self.take_back(&regime, (before, after));
+        }
+    }
+
+    /// Withdraws everything that was found, because of its errors in a regime, without it and with it.
+    fn take_back(&mut self, regime: &str, rms: (f64, f64)) {
+        let withdrawn = |atom: &Atom| Withdrawn { kind: atom.term.kind, regime: regime.into(), rms };
+        self.withdrawn.extend(self.found.atoms.iter().map(withdrawn));
+        let baseline = self.regression.baseline.clone();
         (self.found, self.p) = (baseline.clone(), Vec::new());
         (self.last, self.gains, self.kin) = (baseline, Vec::new(), Vec::new());
     }
