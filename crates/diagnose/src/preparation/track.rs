@@ -15,15 +15,13 @@ use signals::{
     noise_std, quantile, soften,
 };
 
-/// Cycles of the sharper filter that are set aside on either side of a moment without a known direction. The derivatives are
-/// smeared farther than that, but the filter takes most of it out: a third as sharp, it leaves a hundredth of it.
-const AROUND: f64 = 0.25;
-/// Cycles of the sharper filter over which it smears an edge.
+/// Cycles within which a filter smears an edge: of the sharper one they are set aside on either side of a moment without a known
+/// direction, of the filter until samples are in use again, there and at the ends of a stretch.
 const SMEARED: f64 = 0.75;
-/// Cycles of the filter within which samples come into use again beside such a moment.
-const BESIDE: f64 = 0.25;
-/// The same at the ends of a stretch, where the filter has not settled.
-const SETTLING: f64 = 0.75;
+/// The same beside a reversal of a body whose speed is derived from its position. What is smeared farther than that the filter takes
+/// out: a third as sharp, it leaves a hundredth of it. A velocity that a drive measures is late and held where pulses are
+/// rare, and no filter takes that out.
+const DERIVED: f64 = 0.25;
 
 /// What is known of the moments at which the direction of sliding is not.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -145,11 +143,12 @@ impl Track {
         };
         track.find_directions(sharper);
         let samples = |cycles: f64| (cycles / (cutoff * dt)).ceil() as usize;
-        soften(&mut track.mask, samples(BESIDE));
+        let beside = samples(track.beside());
+        soften(&mut track.mask, beside);
         let mut ends = vec![1.0; n];
         ends[..settle].fill(0.0);
         ends[n - settle..].fill(0.0);
-        soften(&mut ends, samples(SETTLING));
+        soften(&mut ends, samples(SMEARED));
         for (mask, end) in track.mask.iter_mut().zip(ends) {
             *mask = mask.min(end);
         }
@@ -163,6 +162,11 @@ impl Track {
         (3.0 * self.noise.velocity).max(0.003 * fast).max(self.reversals.static_band)
     }
 
+    /// Cycles of a filter that are set aside beside a reversal.
+    fn beside(&self) -> f64 {
+        if self.raw.velocity.is_some() { SMEARED } else { DERIVED }
+    }
+
     /// `sharper` is the cut-off behind which the velocity was taken, Hz.
     fn find_directions(&mut self, sharper: f64) {
         if let Some(way) = self.reversals.one_way {
@@ -172,7 +176,7 @@ impl Track {
         let n = self.v.len();
         let dt = self.raw.dt;
         let guard = self.guard();
-        let ring = (AROUND / (sharper * dt)).ceil() as usize;
+        let ring = (self.beside() / (sharper * dt)).ceil() as usize;
         let mean = moving_mean(&self.v, (SMEARED / (sharper * dt)).ceil() as usize);
         let mut unknown = Vec::new();
         let mut i = 0;
