@@ -51,9 +51,8 @@ const MOST_REGIONS: usize = 12;
 /// Share of the time that may be set aside around reversals; where it is more, they are kept.
 const MOST_REVERSALS: f64 = 0.6;
 
-/// The same where fewer than so many rows are left without them: enough to be fitted, too few to be searched.
+/// The same where nothing else is left.
 const FEW_REVERSALS: f64 = 0.2;
-const FEW_ROWS: usize = 100;
 
 /// Cycles of the cut-off in a recording that leave enough rows to be fitted and held out.
 const FEWEST_CYCLES: f64 = 50.0;
@@ -128,8 +127,8 @@ pub fn diagnose_watched(
     let still = intake.faults.iter().any(|f| f.kind == FaultKind::TooLittleMotion);
     let around = if still { 0.0 } else { reversals(&intake.stretches, cutoff) };
     let short = around > FEW_REVERSALS
-        && DesignMatrix::new(&intake.stretches, cutoff, intake.reversals, false)
-            .is_none_or(|d| d.used_rows() < FEW_ROWS);
+        && DesignMatrix::new(&intake.stretches, cutoff, Reversals { wide: true, ..intake.reversals }, false)
+            .is_none();
     if around > MOST_REVERSALS || short {
         intake.keep_reversals();
         cutoff = options.cutoff_hz.unwrap_or(rate / 8.0);

@@ -31,6 +31,8 @@ pub struct Reversals {
     pub static_band: f64,
     /// The direction of a body that only ever advances: it is known at every sample, however slow.
     pub one_way: Option<f64>,
+    /// As much is set aside beside a reversal whose speed is derived as beside one whose speed is measured.
+    pub wide: bool,
     /// The body reverses so often that nothing would be left without the moments around reversals: they are kept.
     pub kept: bool,
 }
@@ -164,7 +166,7 @@ impl Track {
 
     /// Cycles of a filter that are set aside beside a reversal.
     fn beside(&self) -> f64 {
-        if self.raw.velocity.is_some() { SMEARED } else { DERIVED }
+        if self.reversals.wide || self.raw.velocity.is_some() { SMEARED } else { DERIVED }
     }
 
     /// `sharper` is the cut-off behind which the velocity was taken, Hz.
