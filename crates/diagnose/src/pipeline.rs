@@ -126,6 +126,7 @@ pub fn diagnose_watched(
     // noise about a place reverses, too
     let still = intake.faults.iter().any(|f| f.kind == FaultKind::TooLittleMotion);
     let around = if still { 0.0 } else { reversals(&intake.stretches, cutoff) };
+    // whatever the margin beside reversals: with a narrow one enough rows may be left to be fitted, but not to be searched
     let short = around > FEW_REVERSALS
         && DesignMatrix::new(&intake.stretches, cutoff, Reversals { wide: true, ..intake.reversals }, false)
             .is_none();

@@ -38,8 +38,8 @@ pub use noise::{Calibration, Source, Sources, calibrate_accelerometer, noise_std
 pub use planar::{AXES, PlanarPrepared, PlanarRecording, prepare_planar};
 pub use prepare::{
     ChannelReport, Channels, Column, Cutoff, Cutoffs, Estimated, Noise, Preparation, Prepared, SHARPER,
-    Settings, Wave, WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated, one_way,
-    prepare,
+    SMEARED, Settings, Wave, WaveReport, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated,
+    one_way, prepare,
 };
 pub use recording::{Geometry, Recording};
 pub use smoother::{Measured, Motion, Observation, Observed, Smoothed, direction, estimate_motion, smooth};

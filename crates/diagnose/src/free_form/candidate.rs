@@ -67,6 +67,8 @@ type Key = (Candidate, usize, usize);
 /// The candidates on a design matrix. Columns are kept, because most are asked for several times.
 pub struct Library {
     pub candidates: Vec<Candidate>,
+    /// Candidates over an acceleration that is derived from the position.
+    derived: Vec<Candidate>,
     kept: Mutex<Vec<(Key, Columns)>>,
 }
 
@@ -74,29 +76,22 @@ pub struct Library {
 const KEPT: usize = 20_000;
 
 impl Library {
-    /// The candidates whose coordinates are measured. An acceleration derived from the position alone is none: its noise is
-    /// that of the mass's column, and noise would depend on it.
+    /// The candidates on a design matrix, without those of [`Self::widen`].
     pub fn new(design: &DesignMatrix) -> Self {
-        let mut library = Self::of_all(design);
-        if !Self::measures_acceleration(design) {
-            library.candidates.retain(|c| c.over != Coordinate::Acceleration);
-        }
-        library
-    }
-
-    /// The candidates over a derived acceleration as well, for errors that the others and the names do not explain. None where
-    /// all are in [`Self::new`].
-    pub fn wider(design: &DesignMatrix) -> Option<Self> {
-        (!Self::measures_acceleration(design)).then(|| Self::of_all(design))
-    }
-
-    fn of_all(design: &DesignMatrix) -> Self {
         let seconds = design.tracks.iter().map(|t| t.len() as f64 * t.raw.dt).fold(0.0, f64::max);
-        Self { candidates: all(seconds), kept: Mutex::default() }
+        // derived from the position alone, its noise is that of the mass's column: noise would depend on it
+        let measured = design.tracks.iter().all(|t| t.raw.velocity.is_some() || t.raw.acceleration.is_some());
+        let (candidates, derived) =
+            all(seconds).into_iter().partition(|c| measured || c.over != Coordinate::Acceleration);
+        Self { candidates, derived, kept: Mutex::default() }
     }
 
-    fn measures_acceleration(design: &DesignMatrix) -> bool {
-        design.tracks.iter().all(|t| t.raw.velocity.is_some() || t.raw.acceleration.is_some())
+    /// Adds the candidates over a derived acceleration, for an error that neither names nor the others explain; whether
+    /// there are any.
+    pub fn widen(&mut self) -> bool {
+        let any = !self.derived.is_empty();
+        self.candidates.append(&mut self.derived);
+        any
     }
 
     /// Candidates that depend on the motion alone.

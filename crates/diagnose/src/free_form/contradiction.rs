@@ -26,20 +26,18 @@ pub struct Resolved {
 
 /// Describes what `found` leaves, and takes back every name that the description contradicts.
 pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline: &Hypothesis) -> Resolved {
-    let library = Library::new(search.design);
+    let mut library = Library::new(search.design);
     let mut described = describe(search, &library, found, regimes);
     let named = described.fit.heldout_sum();
     let much = named > LEAVES * search.floor;
-    let wider = || much.then(|| Library::wider(search.design)).flatten();
     if found.atoms.is_empty() {
-        if let Some(wider) = wider().filter(|_| described.terms.is_empty()) {
-            described = describe(search, &wider, found, regimes);
+        if described.terms.is_empty() && much && library.widen() {
+            described = describe(search, &library, found, regimes);
         }
         return Resolved { found: found.clone(), described, kin: Vec::new() };
     }
-    let as_named = || Resolved { found: found.clone(), described: described.clone(), kin: Vec::new() };
     if found.atoms.len() == 1 && described.terms.is_empty() && !much {
-        return as_named();
+        return Resolved { found: found.clone(), described, kin: Vec::new() };
     }
     let names = found.atoms.len() + described.terms.len();
     let contradicts = |alone: &Described| {
@@ -49,10 +47,15 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
         let gains = || search.gains(&described.fit, &alone.fit)[0] > 0.0;
         !alone.terms.is_empty() && (fewer || as_many || gains())
     };
-    let alone = |library: &Library| Some(describe(search, library, baseline, regimes)).filter(&contradicts);
-    let resolved = match alone(&library).or_else(|| alone(&wider()?)) {
+    let contradiction =
+        |library: &Library| Some(describe(search, library, baseline, regimes)).filter(&contradicts);
+    let mut alone = contradiction(&library);
+    if alone.is_none() && much && library.widen() {
+        alone = contradiction(&library);
+    }
+    let resolved = match alone {
         Some(alone) => restored(search, found, baseline, alone),
-        None => as_named(),
+        None => Resolved { found: found.clone(), described, kin: Vec::new() },
     };
     needless(search, resolved)
 }

@@ -11,16 +11,13 @@
 //! of the speed would be a fall of orders of magnitude for a law of its logarithm.
 
 use signals::{
-    Channels, Gaussian, LowPass, Noise, SHARPER, central_difference, derived_noise, differentiated,
+    Channels, Gaussian, LowPass, Noise, SHARPER, SMEARED, central_difference, derived_noise, differentiated,
     noise_std, quantile, soften,
 };
 
-/// Cycles within which a filter smears an edge: of the sharper one they are set aside on either side of a moment without a known
-/// direction, of the filter until samples are in use again, there and at the ends of a stretch.
-const SMEARED: f64 = 0.75;
-/// The same beside a reversal of a body whose speed is derived from its position. What is smeared farther than that the filter takes
-/// out: a third as sharp, it leaves a hundredth of it. A velocity that a drive measures is late and held where pulses are
-/// rare, and no filter takes that out.
+/// Cycles of a filter that are set aside beside a reversal of a body whose speed is derived from its position, in place of
+/// [`SMEARED`]. What is smeared farther than that the filter takes out: a third as sharp, it leaves a hundredth of it. A
+/// velocity that a drive measures is late and held where pulses are rare, and no filter takes that out.
 const DERIVED: f64 = 0.25;
 
 /// What is known of the moments at which the direction of sliding is not.
@@ -144,13 +141,12 @@ impl Track {
             raw,
         };
         track.find_directions(sharper);
-        let samples = |cycles: f64| (cycles / (cutoff * dt)).ceil() as usize;
-        let beside = samples(track.beside());
+        let beside = samples(track.beside(), cutoff, dt);
         soften(&mut track.mask, beside);
         let mut ends = vec![1.0; n];
         ends[..settle].fill(0.0);
         ends[n - settle..].fill(0.0);
-        soften(&mut ends, samples(SMEARED));
+        soften(&mut ends, samples(SMEARED, cutoff, dt));
         for (mask, end) in track.mask.iter_mut().zip(ends) {
             *mask = mask.min(end);
         }
@@ -178,8 +174,8 @@ impl Track {
         let n = self.v.len();
         let dt = self.raw.dt;
         let guard = self.guard();
-        let ring = (self.beside() / (sharper * dt)).ceil() as usize;
-        let mean = moving_mean(&self.v, (SMEARED / (sharper * dt)).ceil() as usize);
+        let ring = samples(self.beside(), sharper, dt);
+        let mean = moving_mean(&self.v, samples(SMEARED, sharper, dt));
         let mut unknown = Vec::new();
         let mut i = 0;
         let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
@@ -311,6 +307,11 @@ impl Track {
         };
         [self.a.clone(), by(true, false), by(false, false), by(true, true), by(false, true)]
     }
+}
+
+/// Samples, `dt` seconds apart, in some cycles of a filter at `cutoff` Hz.
+fn samples(cycles: f64, cutoff: f64, dt: f64) -> usize {
+    (cycles / (cutoff * dt)).ceil() as usize
 }
 
 /// Samples, `dt` seconds apart, averaged into one row behind a filter at `cutoff` Hz.

@@ -4,11 +4,10 @@
 //! sides of the equation alike: friction of a body at rest is whatever balances the applied force.
 
 use signals::{
-    Channels, LowPass, central_difference, derived_noise, differentiated, noise_std, quantile, soften,
+    Channels, LowPass, SHARPER, SMEARED, central_difference, derived_noise, differentiated, noise_std,
+    quantile, soften,
 };
 
-/// Cut-off of the filter behind which derivatives are taken, in cut-offs.
-const SHARPER: f64 = 3.0;
 /// Speeds below this many standard deviations of the velocity's noise have no direction.
 const DIRECTED: f64 = 6.0;
 /// Speeds below this share of the fast ones count as rest.
@@ -165,7 +164,7 @@ impl Track {
             raw,
         };
         // as far as an edge of the velocity is smeared
-        let ring = (0.75 / (sharper * dt)).ceil() as usize;
+        let ring = (SMEARED / (sharper * dt)).ceil() as usize;
         let unknown: Vec<bool> = (0..n).map(|i| track.is_unknown(i, ring)).collect();
         for i in (0..n).filter(|i| unknown[*i]) {
             track.mask[i.saturating_sub(ring)..(i + ring + 1).min(n)].fill(0.0);
@@ -173,7 +172,7 @@ impl Track {
         let settle = filter.settle().min(n / 4);
         track.mask[..settle].fill(0.0);
         track.mask[n - settle..].fill(0.0);
-        soften(&mut track.mask, (0.75 / (cutoff * dt)).ceil() as usize);
+        soften(&mut track.mask, (SMEARED / (cutoff * dt)).ceil() as usize);
         track
     }
 

@@ -29,6 +29,10 @@ const NOISE_OF_SPEED: f64 = 0.2;
 /// Cut-off of the filter behind which a search takes derivatives, in cut-offs of its own.
 pub const SHARPER: f64 = 3.0;
 
+/// Cycles of a low-pass within which it smears an edge: so far from a moment without a known direction, and from the ends of a stretch,
+/// its samples say nothing.
+pub const SMEARED: f64 = 0.75;
+
 /// Standard deviation of the white noise of each channel, and of what is derived behind a low-pass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Noise {

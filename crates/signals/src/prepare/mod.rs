@@ -15,7 +15,9 @@ mod wave;
 
 pub use agreement::Column;
 pub use channels::Channels;
-pub use cutoff::{Noise, SHARPER, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated};
+pub use cutoff::{
+    Noise, SHARPER, SMEARED, choose_cutoff, choose_cutoff_of_fit, derived_noise, differentiated,
+};
 pub use one_way::one_way;
 pub use report::{ChannelReport, Cutoffs, Estimated, Preparation, WaveReport};
 pub use wave::Wave;
