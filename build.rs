@@ -5,7 +5,7 @@ const BOARDS: [(&str, &str); 2] =
     [("nucleo-g474re", "src/board/nucleo_g474re.x"), ("nucleo-l476rg", "src/board/nucleo_l476rg.x")];
 
 /// Cargo features of sensors that the first board may have.
-const SENSORS: [&str; 2] = ["absolute-encoder", "load-cell-converter"];
+const SENSORS: [&str; 3] = ["absolute-encoder", "index-pulse", "load-cell-converter"];
 /// Part of the control path that runs once a command. With both sensors it stays in flash: CCM is full.
 const ONCE_A_COMMAND: &str = "*(.text._ZN7haptics10excitation10Excitation8validate* .text._ZN7haptics10excitation10Excitation7fastest*);";
 
@@ -25,15 +25,17 @@ fn main() {
             "{count} boards chosen: accepted exactly one of the features {names}; another than the first with --no-default-features --features NAME"
         );
     };
-    let sensors = SENSORS.iter().filter(|sensor| std::env::var_os(feature(sensor)).is_some());
-    let sensors: Vec<_> = sensors.collect();
-    if let Some(sensor) = sensors.first().filter(|_| *name != BOARDS[0].0) {
-        panic!("{sensor}: accepted with {}", BOARDS[0].0);
+    let [absolute, index, converter] = SENSORS.map(|sensor| std::env::var_os(feature(sensor)).is_some());
+    if (absolute || index || converter) && *name != BOARDS[0].0 {
+        panic!("{}: accepted with {}", SENSORS.join(", "), BOARDS[0].0);
+    }
+    if absolute && index {
+        panic!("{} and {}: accepted one of them; the first has no index", SENSORS[0], SENSORS[1]);
     }
     println!("cargo:rerun-if-changed={regions}");
     let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     std::fs::copy("memory.x", format!("{out}/memory.x")).expect("memory.x lies beside Cargo.toml");
-    let once = if sensors.len() == SENSORS.len() { "" } else { ONCE_A_COMMAND };
+    let once = if absolute && converter { "" } else { ONCE_A_COMMAND };
     std::fs::write(format!("{out}/once_a_command.x"), once).expect("the directory of this build");
     std::fs::copy(regions, format!("{out}/regions.x")).expect("each board has its regions");
     println!("cargo:rustc-link-search={out}");

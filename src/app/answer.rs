@@ -32,6 +32,8 @@ pub(super) enum Pending {
     Render(bool, Option<f32>),
     /// `zero`
     Zero,
+    /// The middle of the stroke from an index pulse, which nobody asked for.
+    Middle,
     /// `home`
     Home,
     /// `move`, with the longest silence of the host, s
@@ -102,6 +104,7 @@ impl Pending {
             ),
             Self::Render(on, _) => write!(out, "ok render {}", if *on { "on" } else { "off" }),
             Self::Zero => out.write_str("ok zero: the handle is in the middle of its stroke"),
+            Self::Middle => out.write_str("! index: the middle of the stroke is known"),
             Self::Home => out.write_str("ok home: slowly to both stops, hands off; the result follows"),
             Self::Move(e, watch) => {
                 let (wave, amplitude, frequency) = (e.wave.id(), Text(e.amplitude_m), Text(e.frequency_hz));

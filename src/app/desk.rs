@@ -1,5 +1,6 @@
 //! The application in the tasks: reads bytes, executes commands, sends answers, messages and frames.
 
+mod middle;
 mod presets;
 mod storing;
 
@@ -21,7 +22,7 @@ use haptics::{
 };
 use link::{
     BadLine, CALIBRATION_KEY, Calibrate, Command, DeviceCommand, IDENTIFIED, LineEditor, MAX_LINE, Name,
-    ORIGIN_KEY, OffDetector, PresetStore, Watch,
+    OffDetector, PresetStore, Watch,
 };
 use storing::{Keeping, Saving, outcome};
 
@@ -67,6 +68,8 @@ pub struct Desk {
     /// Encoder count at position 0, and that of a coming control period.
     origin: u32,
     next_origin: Option<OriginReport>,
+    /// Whether the middle of the stroke was known at the last poll.
+    referenced: bool,
     fault: Option<FaultReport>,
     /// A person cleared the fault; the board must learn of it.
     cleared: bool,
@@ -110,6 +113,7 @@ impl Desk {
             last: None,
             origin: 0,
             next_origin: None,
+            referenced: false,
             fault: None,
             cleared: false,
             unseen: 0,
@@ -251,7 +255,7 @@ impl Desk {
         self.promise(board.now_ms(), ends);
         self.poll_saving(board);
         self.poll_keeping(board);
-        self.keep_origin(board);
+        self.follow_middle(board, ends);
         self.list(board);
     }
 
@@ -313,6 +317,10 @@ impl Desk {
         let Some((pending, _)) = self.pending.take() else { return };
         if matches!(pending, Pending::Push) && (denied.is_none() || self.selftest.take().is_none()) {
             // the self-test reports its own end, or `off` has ended it
+            return;
+        }
+        if matches!(pending, Pending::Middle) && denied.is_some() {
+            // nobody asked; the next pulse or the end of a contact tells it again
             return;
         }
         let mut line = Line::new();
@@ -522,20 +530,6 @@ impl Desk {
             Err(why) => write!(line, "{sign} warn: {answer}; until the device restarts: {why}"),
         };
         self.say(&line);
-    }
-
-    /// Stores a new middle of the stroke, if the board knows it again after a start.
-    fn keep_origin(&mut self, board: &mut impl Board) {
-        if self.keeping.is_none()
-            && self.saving.is_none()
-            && self.last.is_some_and(|t| t.outputs.referenced)
-            && let Some(item) = board.origin_item(self.origin, self.device.encoder_reversed)
-        {
-            let mut answer = Line::new();
-            let _ = answer.write_str("middle of the stroke kept");
-            self.keeping = Some(Keeping { answer, unasked: true, since: Some(board.now_ms()) });
-            board.store(ORIGIN_KEY, &item);
-        }
     }
 
     /// Sends lines of a long answer while there is room.

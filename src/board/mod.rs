@@ -27,6 +27,30 @@ use core::fmt::Write;
 use haptics::Device;
 use link::HelpLine;
 
+/// What the control loop knows of the middle of the stroke.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Middle {
+    /// It is at this count.
+    At(u32),
+    /// It is unknown, and a request that tells it is accepted.
+    Unknown,
+    /// It is unknown because counts may be wrong.
+    InDoubt,
+}
+
+/// What an encoder tells of the middle of the stroke.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MiddleNews {
+    /// Nothing new.
+    None,
+    /// An item for [`link::ORIGIN_KEY`], by which the next start finds it.
+    Keep([u8; 4]),
+    /// It is at this count.
+    Is(u32),
+    /// Counts were lost or made up: it is no longer where the control loop has it.
+    Moved,
+}
+
 /// A board, as the tasks see it.
 pub trait Board {
     /// Name for people.
@@ -63,10 +87,10 @@ pub trait Board {
     /// Result of the last store; returned once.
     fn stored(&mut self) -> Option<Result<(), NotStored>>;
 
-    /// Item under [`link::ORIGIN_KEY`] that tells the next start where position 0 is, which is at this count: of a board with an
-    /// absolute encoder, unless it is stored.
-    fn origin_item(&mut self, _origin: u32, _reversed: bool) -> Option<[u8; 4]> {
-        None
+    /// What the encoder knows of the middle of the stroke beyond its counts. Counts are those of the control loop: negative where
+    /// the encoder is reversed.
+    fn middle(&mut self, _now: Middle, _reversed: bool) -> MiddleNews {
+        MiddleNews::None
     }
 
     /// Lifetime of stored presets, such as “in flash”.

@@ -22,17 +22,21 @@ mod timing;
 
 #[cfg(feature = "absolute-encoder")]
 use super::chip::Absolute as Position;
+#[cfg(feature = "index-pulse")]
+use super::chip::Indexed as Position;
 #[cfg(feature = "load-cell-converter")]
 use super::chip::Load24 as Load;
+#[cfg(not(any(feature = "absolute-encoder", feature = "index-pulse")))]
+use Quadrature as Position;
 #[cfg(not(feature = "load-cell-converter"))]
 use analog::Analog as Load;
 #[cfg(not(feature = "absolute-encoder"))]
-use quadrature::Quadrature as Position;
+pub use quadrature::Quadrature;
 pub use setup::ResetCause;
 pub use stop::{make_safe, restart};
 pub use timing::{LOOP_HZ, TICK_HZ};
 
-use super::{Board, RealTime, RealTimeLoop, chip};
+use super::{Board, Middle, MiddleNews, RealTime, RealTimeLoop, chip};
 use crate::app::{Command, Contact, ControlEnds, ControlLoop, Earlier, Lamp};
 use crate::presets::NotStored;
 use core::sync::atomic::{
@@ -276,7 +280,9 @@ impl Peripherals {
         chip::start_encoder(p.PA0, p.PA1, p.PA15, p.PB3);
         #[cfg(feature = "absolute-encoder")]
         let position = Position::new([p.PB12.into(), p.PB13.into(), p.PB14.into(), p.PB15.into()]);
-        #[cfg(not(feature = "absolute-encoder"))]
+        #[cfg(feature = "index-pulse")]
+        let position = Position::new(p.PA9);
+        #[cfg(not(any(feature = "absolute-encoder", feature = "index-pulse")))]
         let position = Position;
 
         let mut settings = usart::Config::default();
@@ -438,8 +444,12 @@ impl Board for Nucleo {
         flash::stored()
     }
 
-    fn origin_item(&mut self, origin: u32, reversed: bool) -> Option<[u8; 4]> {
-        Position::origin_item(origin, reversed)
+    fn middle(&mut self, now: Middle, reversed: bool) -> MiddleNews {
+        // the encoder's own counts, and back
+        let own = |count: u32| if reversed { count.wrapping_neg() } else { count };
+        let now = if let Middle::At(count) = now { Middle::At(own(count)) } else { now };
+        let news = Position::middle(now);
+        if let MiddleNews::Is(count) = news { MiddleNews::Is(own(count)) } else { news }
     }
 
     fn lasting(&self) -> &str {

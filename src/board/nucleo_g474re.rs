@@ -16,7 +16,8 @@
 //!
 //! With the feature `absolute-encoder`, in the place of the encoder's A and B: an MT6835 on SPI2, NSS PB12, SCK PB13, MISO PB14,
 //! MOSI PB15. With `load-cell-converter`, in the place of the load cell's PC0: an ADS131M02 on SPI3, NSS PA15, SCK PC10, MISO PC11,
-//! MOSI PC12. Their frames begin with the updates of TIM6 and of TIM7.
+//! MOSI PC12. Their frames begin with the updates of TIM6 and of TIM7. With `index-pulse`, beside A and B: the encoder's Z on PA9 (D8),
+//! TIM2 channel 3, pull-up.
 //!
 //! # Timing contract
 //!
@@ -62,6 +63,8 @@
 mod absolute;
 #[cfg(any(feature = "absolute-encoder", feature = "load-cell-converter"))]
 mod frames;
+#[cfg(feature = "index-pulse")]
+mod index;
 #[cfg(feature = "load-cell-converter")]
 mod load_cell;
 
@@ -72,6 +75,8 @@ use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::{Interrupt, Priority};
 use embassy_stm32::peripherals::{self, ADC1, PA0, PA1, PA15, PB3, PC0, PC1, TIM2, TIM5};
 use embassy_stm32::{Config, Peri, bind_interrupts, pac, rcc, triggers, usart};
+#[cfg(feature = "index-pulse")]
+pub use index::Indexed;
 #[cfg(feature = "load-cell-converter")]
 pub use load_cell::Load24;
 use pac::timer::vals::{CcmrInputCcs, FilterValue, Mms, Sms, Ts, Urs};

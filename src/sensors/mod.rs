@@ -5,10 +5,12 @@
 
 mod absolute_encoder;
 pub mod ads131m02;
+mod index_pulse;
 mod load_cell;
 pub mod mt6835;
 
 pub use absolute_encoder::{AbsoluteEncoder, COUNTS_PER_TURN, Count, angle_at};
 pub use ads131m02::Ads131m02;
+pub use index_pulse::IndexPulse;
 pub use load_cell::LoadCell;
 pub use mt6835::Mt6835;

@@ -26,6 +26,13 @@ pub fn image_with_absolute_encoder() -> &'static Image {
     &IMAGE
 }
 
+/// The image that reads the encoder's index pulse, built once for all tests.
+pub fn image_with_index_pulse() -> &'static Image {
+    static IMAGE: LazyLock<Image> =
+        LazyLock::new(|| built(|root, target| firmware::build_with(root, target, "index-pulse")));
+    &IMAGE
+}
+
 /// The image with the absolute encoder and the converter of the load cell, built once for all tests.
 pub fn image_with_both_sensors() -> &'static Image {
     const BOTH: &str = "absolute-encoder,load-cell-converter";

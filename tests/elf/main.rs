@@ -16,6 +16,7 @@ mod cycles;
 mod device;
 mod endurance;
 mod flash;
+mod index_pulse;
 mod law_names;
 mod load_cell_converter;
 mod mutations;
@@ -88,6 +89,8 @@ fn main() -> ExitCode {
             identification_moves_the_handle_and_reports_its_end,
             mutations::the_correct_build_passes_the_mutation_check,
             mutations::a_wrong_build_finds_the_line_it_changes,
+            index_pulse::a_start_knows_the_middle_once_the_index_has_passed,
+            index_pulse::lost_counts_are_a_fault_at_the_next_pulse,
             load_cell_converter::weights_are_read_at_every_supply,
             load_cell_converter::every_rate_and_law_runs_with_both_sensors,
             load_cell_converter::every_failure_takes_the_force_off,

@@ -54,7 +54,7 @@ kinds! {
         /// Position beyond the stroke while force was on.
         EndOfStroke = 2, "end_of_stroke", "the handle ran to the end of its stroke; move it back inside";
         /// Counts beyond the largest acceleration of the device.
-        EncoderJump = 3, "encoder_jump", "the encoder moved more than physics allows in one period; check its cable and shield";
+        EncoderJump = 3, "encoder_jump", "the encoder moved more than physics allows in one period, or its index pulse came elsewhere; check its cable and shield";
         /// A converter at the end of its scale.
         SensorRail = 4, "sensor_rail", "load cell or accelerometer is at the end of its scale; check cable and load";
         /// NaN or infinity in the loop.

@@ -54,6 +54,8 @@ pub enum Request {
     Ramp,
     /// The handle is in the middle of its stroke.
     Zero,
+    /// The middle of the stroke is at this encoder count.
+    Middle(u32),
     /// Searches both stops, and the middle between them.
     Home,
     /// Returns to idle. An excitation ramps out first.

@@ -274,14 +274,17 @@ impl State {
                 Ok(())
             }
             _ if running => Err(Denied::Busy),
+            // under a contact, positions would jump
+            Request::Zero | Request::Middle(_) if !matches!(self.mode, Mode::Idle) => Err(Denied::Busy),
             Request::Zero => {
-                if !matches!(self.mode, Mode::Idle) {
-                    return Err(Denied::Busy);
-                }
                 if !self.rests(config, handle) {
                     return Err(Denied::Moving);
                 }
                 self.refer(config, inputs.count, true);
+                Ok(())
+            }
+            Request::Middle(origin) => {
+                self.refer(config, *origin, true);
                 Ok(())
             }
             _ if safety::at_rail(device, inputs) => Err(Denied::SensorRail),

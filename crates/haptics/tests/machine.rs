@@ -241,6 +241,23 @@ fn zero_takes_the_handle_for_the_middle() {
 }
 
 #[test]
+fn the_middle_is_where_an_index_pulse_tells_it_even_in_motion() {
+    let (mut control, mut rig) = unreferenced(0.011);
+    rig.carry(0.1);
+    let middle = rig.inputs().count.wrapping_sub(1_000);
+    let outputs = control.step(Some(&Request::Middle(middle)), &rig.inputs());
+    assert_eq!((outputs.denied, outputs.referenced), (None, true));
+    rig.carry(0.0);
+    let outputs = control.step(None, &rig.inputs());
+    let from_middle = rig.inputs().count.wrapping_sub(middle) as f32 * Device::default().metre_per_count;
+    assert_eq!(outputs.position, from_middle);
+    // under a contact the position would jump
+    render(&mut control, &mut rig);
+    let outputs = control.step(Some(&Request::Middle(0)), &rig.inputs());
+    assert_eq!((outputs.denied, control.state().origin()), (Some(Denied::Busy), middle));
+}
+
+#[test]
 fn a_doubted_count_loses_the_origin() {
     for (kind, kept) in [
         (FaultKind::EncoderJump, false),
@@ -442,6 +459,7 @@ fn any_request() -> impl Strategy<Value = Request> {
         Just(Request::Stop),
         Just(Request::Off),
         Just(Request::Zero),
+        any::<u32>().prop_map(Request::Middle),
         Just(Request::Home),
         Just(Request::Probe),
         Just(Request::ClearFault),

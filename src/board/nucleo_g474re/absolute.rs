@@ -2,6 +2,7 @@
 
 use super::TICK_HZ;
 use super::frames::{Frames, Line, Memory};
+use crate::board::{Middle, MiddleNews};
 use crate::sensors::mt6835::{MODE, READ_ANGLE};
 use crate::sensors::{AbsoluteEncoder, COUNTS_PER_TURN, Count, angle_at};
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -102,10 +103,14 @@ impl Absolute {
         self.0.trouble()
     }
 
-    /// Item that tells the next start the angle at position 0, which is at this count of the control loop. `None` if it is stored.
-    pub fn origin_item(origin: u32, reversed: bool) -> Option<[u8; 4]> {
-        let count = if reversed { origin.wrapping_neg() } else { origin };
+    /// Keeps the angle at the middle of the stroke for the next start.
+    pub fn middle(now: Middle) -> MiddleNews {
+        let Middle::At(count) = now else { return MiddleNews::None };
         let angle = angle_at(ZERO.load(Relaxed), count);
-        (KEPT.swap(angle, Relaxed) != angle).then(|| angle.to_le_bytes())
+        if KEPT.swap(angle, Relaxed) == angle {
+            MiddleNews::None
+        } else {
+            MiddleNews::Keep(angle.to_le_bytes())
+        }
     }
 }

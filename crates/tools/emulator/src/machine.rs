@@ -256,6 +256,16 @@ impl Machine {
         self.shared.touched.store(true, Relaxed);
     }
 
+    /// Puts the encoder's index pulse to a place of the stroke, m.
+    pub fn set_index(&mut self, position: f64) {
+        self.shared.soc().world.set_index(position);
+    }
+
+    /// The encoder loses counts, or makes them up.
+    pub fn slip_encoder(&mut self, counts: i32) {
+        self.shared.soc().slip_encoder(counts);
+    }
+
     /// Sets the delay from a count of the encoder to the capture of its time, timer cycles.
     pub fn set_capture_lag(&mut self, cycles: u64) {
         self.shared.soc().capture_lag = cycles;

@@ -73,6 +73,9 @@ const ENABLE_FUNCTION: u32 = 2;
 const ENABLE_TIMER: usize = 1;
 const ENABLE_CHANNEL: u32 = 2;
 const STOP_PIN: u32 = 7;
+/// Pin of the encoder's index, and its alternate function.
+const INDEX_PIN: u32 = 9;
+const INDEX_FUNCTION: u32 = 10;
 const AMPLIFIER_FAULT_PIN: u32 = 10;
 
 /// Indices of timers: TIM2 is 0.
@@ -534,6 +537,9 @@ impl Soc {
         while let Some((when, up)) = self.world.edge(at) {
             if self.pulses.is_none() {
                 self.encoder_edge(when, up);
+                if self.world.at_index() && self.gpio[0].alternate(INDEX_PIN, INDEX_FUNCTION) {
+                    self.tims[ENCODER].index_edge();
+                }
             }
         }
         while let Some((when, up)) = self.pulses.as_mut().and_then(|pulses| pulses.due(at)) {
@@ -586,6 +592,11 @@ impl Soc {
                 tim.trigger_input(2, at, self.capture_lag);
             }
         }
+    }
+
+    /// The encoder loses counts or makes them up.
+    pub fn slip_encoder(&mut self, counts: i32) {
+        self.tims[ENCODER].slip(counts);
     }
 
     /// Handles a pulse on the trigger output of a timer.

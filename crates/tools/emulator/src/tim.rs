@@ -13,11 +13,13 @@ const DIER_UDE: u32 = 1 << 8;
 const SR: u32 = 0x10;
 const EGR: u32 = 0x14;
 const CCMR1: u32 = 0x18;
+const CCMR2: u32 = 0x1c;
 const CCER: u32 = 0x20;
 const CNT: u32 = 0x24;
 const PSC: u32 = 0x28;
 const ARR: u32 = 0x2c;
 const CCR1: u32 = 0x34;
+const CCR3: u32 = 0x3c;
 const CCR4: u32 = 0x40;
 
 /// Delay from a count in TIM2 to the capture in TIM5, timer cycles, from synchronisation at both ends of the trigger. It makes
@@ -194,10 +196,12 @@ impl Tim {
 
     /// Reading a capture clears its flag.
     pub fn was_read(&mut self, offset: u32) {
-        let channel = (offset.wrapping_sub(CCR1)) / 4;
-        if channel < 4 && self.reg(CCMR1) & 3 != 0 && channel == 0 {
-            let sr = self.reg(SR) & !2;
-            self.set(SR, sr);
+        // the channels that capture here
+        for (register, mode, flag) in [(CCR1, CCMR1, 1 << 1), (CCR3, CCMR2, 1 << 3)] {
+            if offset == register && self.reg(mode) & 3 != 0 {
+                let sr = self.reg(SR) & !flag;
+                self.set(SR, sr);
+            }
         }
     }
 
@@ -357,6 +361,21 @@ impl Tim {
         let cr1 = self.reg(CR1) & !0x10 | u32::from(!up) << 4;
         self.set(CR1, cr1);
         self.trigger_output() == 8
+    }
+
+    /// A rising edge on the input of channel 3 captures the count.
+    pub fn index_edge(&mut self) {
+        if self.running() && self.reg(CCMR2) & 3 == 1 && self.reg(CCER) >> 8 & 0b1011 == 1 {
+            let sr = self.reg(SR);
+            // an unread capture is an overcapture
+            self.set(SR, if sr & 1 << 3 != 0 { sr | 1 << 11 } else { sr | 1 << 3 });
+            self.set(CCR3, self.encoder);
+        }
+    }
+
+    /// Counts that are lost or made up, as by dirt.
+    pub fn slip(&mut self, counts: i32) {
+        self.encoder = self.encoder.wrapping_add_signed(counts);
     }
 
     /// Replaces the count.

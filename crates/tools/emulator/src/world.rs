@@ -55,6 +55,10 @@ pub(crate) struct World {
     edges: VecDeque<(u64, bool)>,
     /// Time and direction of the last edge.
     last_edge: (u64, bool),
+    /// Count of the rig after the edges that were taken.
+    place: i32,
+    /// Count of the rig at which the encoder's index is high.
+    index: Option<i32>,
     /// Present levels, and those at the end of the chunk.
     levels: (u16, u16),
     /// Levels of the load cell in the chunks up to the present one, which is the last.
@@ -97,6 +101,8 @@ impl World {
             sensors,
             edges: VecDeque::new(),
             last_edge: (0, true),
+            place: sensors.count as i32,
+            index: None,
             force: 0.0,
             amplifier: AMPLIFIER,
             command_broken: false,
@@ -158,7 +164,22 @@ impl World {
 
     /// Next due edge.
     pub fn edge(&mut self, now: u64) -> Option<(u64, bool)> {
-        if self.edges.front().is_some_and(|(at, _)| *at <= now) { self.edges.pop_front() } else { None }
+        let due = self.edges.front().is_some_and(|(at, _)| *at <= now);
+        let edge = if due { self.edges.pop_front() } else { None };
+        if let Some((_, up)) = edge {
+            self.place = self.place.wrapping_add(if up { 1 } else { -1 });
+        }
+        edge
+    }
+
+    /// Puts the encoder's index to a place of the stroke, m.
+    pub fn set_index(&mut self, position: f64) {
+        self.index = Some((position / self.rig.config().calibration.metre_per_count).round() as i32);
+    }
+
+    /// Whether the index is high.
+    pub fn at_index(&self) -> bool {
+        self.index == Some(self.place)
     }
 
     /// Computes the next chunk if it is due. `code` is the DAC's output at 3.3 V while the amplifier is on.
