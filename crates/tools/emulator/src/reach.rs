@@ -106,6 +106,18 @@ fn decode(at: u32, first: u16, second: u16) -> (u32, Flow) {
     (4, flow)
 }
 
+/// Half (true: the upper one), register and value of a `movw` or `movt`.
+fn moved(first: u16, second: u16) -> Option<(bool, u32, u32)> {
+    let (a, b) = (u32::from(first), u32::from(second));
+    let top = match a & 0xfbf0 {
+        0xf240 => false,
+        0xf2c0 => true,
+        _ => return None,
+    };
+    let value = (a & 15) << 12 | (a >> 10 & 1) << 11 | (b >> 12 & 7) << 8 | b & 0xff;
+    (b >> 15 == 0).then_some((top, b >> 8 & 15, value))
+}
+
 /// `pc` plus a signed number of `bits` bits.
 fn offset(pc: u32, value: u32, bits: u32) -> u32 {
     let shift = 32 - bits;
@@ -141,9 +153,9 @@ impl Image {
                         break;
                     }
                     Flow::Register(returns) => {
-                        match self.loaded(at) {
-                            Some(function) if returns => open.push(function),
-                            _ => reach.indirect.push((at, name)),
+                        match if returns { self.loaded(at) } else { self.thunk(at) } {
+                            Some(function) => open.push(function),
+                            None => reach.indirect.push((at, name)),
                         }
                         if !returns {
                             break;
@@ -181,10 +193,24 @@ impl Image {
             place += decode(place, first, second).0;
         }
         let word = |at: u32| Some(u32::from(self.half(at).ok()?) | u32::from(self.half(at + 2).ok()?) << 16);
-        let function = word(literal?)?;
-        let entry = function & !1;
+        self.entry(word(literal?)?)
+    }
+
+    /// Target of the `bx ip` at `at` that ends what the linker puts where a function is too far for a branch: `movw ip`, `movt ip`.
+    fn thunk(&self, at: u32) -> Option<u32> {
+        const IP: u32 = 12;
+        let half = |back: u32| at.checked_sub(back).and_then(|place| self.half(place).ok());
+        let (low, high) = (moved(half(8)?, half(6)?)?, moved(half(4)?, half(2)?)?);
+        let jump = u32::from(half(0)?);
+        let is_one = (low.0, high.0) == (false, true) && [low.1, high.1, jump >> 3 & 15] == [IP; 3];
+        self.entry(is_one.then_some(high.2 << 16 | low.2)?)
+    }
+
+    /// A function by its address, which is odd.
+    fn entry(&self, address: u32) -> Option<u32> {
+        let entry = address & !1;
         let known = self.functions.binary_search_by_key(&entry, |(address, _)| *address & !1).is_ok();
-        (function & 1 == 1 && known).then_some(entry)
+        (address & 1 == 1 && known).then_some(entry)
     }
 
     /// Targets of a `tbb` or `tbh` with its table at `at`. The table ends at the next code mark (`$t`), or at constants, which
@@ -228,7 +254,15 @@ impl Image {
 
 #[cfg(test)]
 mod tests {
-    use super::{Flow, decode};
+    use super::{Flow, decode, moved};
+
+    #[test]
+    fn moves_of_halves_as_an_assembler_writes_them() {
+        // encodings by llvm-mc --triple=thumbv7em -show-encoding
+        assert_eq!(moved(0xf643, 0x3cbd), Some((false, 12, 0x3bbd))); // movw r12, #15293
+        assert_eq!(moved(0xf6c0, 0x0c00), Some((true, 12, 0x0800))); // movt r12, #2048
+        assert_eq!(moved(0xf04f, 0x0c01), None); // mov.w r12, #1
+    }
 
     #[test]
     fn branches_as_an_assembler_writes_them() {
