@@ -39,11 +39,11 @@ fn carry(board: &mut Board, to: f64) {
 fn off(board: &mut Board) -> f64 {
     board.ok("stream on");
     board.run(30.0);
-    let origins = board.frames.iter().filter_map(|(_, frame)| match frame {
+    let mut origins = board.frames.iter().filter_map(|(_, frame)| match frame {
         Frame::Header(header) => Some(header.origin_count),
         _ => None,
     });
-    let origin = origins.last().expect("a header");
+    let origin = origins.next_back().expect("a header");
     let count = board.samples().last().expect("a frame").1.count;
     board.ok("stream off");
     board.frames.clear();
