@@ -39,7 +39,8 @@ pub fn event(search: &Search, found: &Hypothesis) -> Option<Event> {
     })
 }
 
-/// Neighbouring blocks around the one with the largest error, if that is far above the floor and above half of the others.
+/// Neighbouring blocks around the one with the largest error, if that is far above the floor and above half of the others, and all
+/// others are small.
 fn worst_part(errors: &[f64], floor: f64) -> Option<RangeInclusive<usize>> {
     let usual = quantile(errors, 0.5).max(floor);
     let worst = (0..errors.len()).max_by(|a, b| errors[*a].total_cmp(&errors[*b]))?;
@@ -49,7 +50,8 @@ fn worst_part(errors: &[f64], floor: f64) -> Option<RangeInclusive<usize>> {
     let large = |k: &usize| errors[*k] > NEAR * usual;
     let first = (0..=worst).rev().take_while(large).last()?;
     let last = (worst..errors.len()).take_while(large).last()?;
-    Some(first..=last)
+    let elsewhere = (0..errors.len()).filter(|k| !(first..=last).contains(k)).any(|k| large(&k));
+    (!elsewhere).then_some(first..=last)
 }
 
 #[cfg(test)]
@@ -67,5 +69,13 @@ mod tests {
         errors[..30].fill(0.3);
         assert_eq!(worst_part(&errors, 0.02), None);
         assert_eq!(worst_part(&[], 0.02), None);
+    }
+
+    #[test]
+    fn the_fast_end_of_a_chirp_that_came_twice_was_said_to_have_happened_once() {
+        let mut errors = vec![0.02; 48];
+        errors[20..24].copy_from_slice(&[0.08, 0.2, 0.3, 0.2]);
+        errors[44..48].copy_from_slice(&[0.07, 0.2, 0.28, 0.2]);
+        assert_eq!(worst_part(&errors, 0.02), None);
     }
 }
