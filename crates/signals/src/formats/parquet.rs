@@ -101,7 +101,8 @@ fn check_footer(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Refuses a page that unpacks to more than is believed, from what its header says.
+/// Refuses a page that unpacks to more than is believed, or whose dictionary is not there, from what its header says: the library
+/// panics without one.
 fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData) -> Result<(), String> {
     let most = limits::stated(bytes.len());
     // `ColumnChunkMetaData::byte_range` panics where one is negative
@@ -110,11 +111,16 @@ fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData) -> Result<(), String>
     let range = start.ok().zip(length.ok()).and_then(|(start, n)| Some(start..start.checked_add(n)?));
     let end = range.as_ref().map_or(0, |range| range.end);
     let mut chunk = range.and_then(|range| bytes.get(range)).ok_or("its data lie outside of the file")?;
+    let mut has_dictionary = false;
     while !chunk.is_empty() {
         let at = end - chunk.len();
         let page = Walk::new(chunk).page().ok_or_else(|| format!("byte {at}: a damaged page header"))?;
         if page.unpacked > most {
             return Err(limits::too_much(&format!("byte {at}: a page"), page.unpacked, most));
+        }
+        has_dictionary |= page.is_dictionary;
+        if page.uses_dictionary && !has_dictionary {
+            return Err(format!("byte {at}: a page without its dictionary"));
         }
         chunk = page
             .header
