@@ -11,6 +11,8 @@ mod cdr;
 mod columns;
 mod csv;
 mod expression;
+#[cfg(feature = "parquet")]
+mod guarded;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod json;

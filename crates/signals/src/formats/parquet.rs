@@ -2,6 +2,7 @@
 //!
 //! A column of time stamps is in seconds from its first. What is missing is NaN. Columns of texts and lists are not read.
 
+use super::guarded::guarded;
 use super::thrift::Walk;
 use super::variables::{TIME_ZERO, Variable, Wanted, assemble};
 use super::{limits, signatures};
@@ -56,9 +57,12 @@ pub(crate) fn read(file: &str, bytes: Vec<u8>, wanted: &Wanted) -> Result<Record
             check_pages(&bytes, about.column(i)).map_err(at)?;
             let records = usize::try_from(about.num_rows()).ok().filter(|n| values.numbers.len() + n <= rows);
             let records = records.ok_or_else(|| at(format!("more than the {rows} rows of the file")))?;
-            let reader = reader.get_row_group(group).and_then(|g| g.get_column_reader(i));
-            let read = reader.and_then(|reader| values.read(reader, records, column.max_def_level(), kind));
-            read.map_err(|e| at(e.to_string()))?;
+            // it panics where a dictionary is missing, and on numbers of more bytes than a number has
+            let read = guarded(|| {
+                let reader = reader.get_row_group(group)?.get_column_reader(i)?;
+                values.read(reader, records, column.max_def_level(), kind)
+            });
+            read.map_err(|said| at(format!("damaged ({said})")))?.map_err(|e| at(e.to_string()))?;
         }
         if values.numbers.len() != rows {
             return Err(at(format!("has {} rows, the file has {rows}", values.numbers.len())));
@@ -101,8 +105,7 @@ fn check_footer(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Refuses a page that unpacks to more than is believed, or whose dictionary is not there, from what its header says: the library
-/// panics without one.
+/// Refuses a page that unpacks to more than is believed, from what its header says.
 fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData) -> Result<(), String> {
     let most = limits::stated(bytes.len());
     // `ColumnChunkMetaData::byte_range` panics where one is negative
@@ -111,16 +114,11 @@ fn check_pages(bytes: &[u8], column: &ColumnChunkMetaData) -> Result<(), String>
     let range = start.ok().zip(length.ok()).and_then(|(start, n)| Some(start..start.checked_add(n)?));
     let end = range.as_ref().map_or(0, |range| range.end);
     let mut chunk = range.and_then(|range| bytes.get(range)).ok_or("its data lie outside of the file")?;
-    let mut has_dictionary = false;
     while !chunk.is_empty() {
         let at = end - chunk.len();
         let page = Walk::new(chunk).page().ok_or_else(|| format!("byte {at}: a damaged page header"))?;
         if page.unpacked > most {
             return Err(limits::too_much(&format!("byte {at}: a page"), page.unpacked, most));
-        }
-        has_dictionary |= page.is_dictionary;
-        if page.uses_dictionary && !has_dictionary {
-            return Err(format!("byte {at}: a page without its dictionary"));
         }
         chunk = page
             .header

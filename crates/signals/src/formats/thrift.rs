@@ -1,8 +1,7 @@
 //! A walk through Thrift's compact protocol [parquet-format], in which Parquet writes its headers.
 //!
 //! The library that reads Parquet reserves what lists and pages are said to need before it reads them. This walk runs first: a
-//! list longer than the bytes that are left, a page that unpacks to more than a file may, or one whose dictionary is not there, is
-//! refused with its place.
+//! list longer than the bytes that are left, or a page that unpacks to more than a file may, is refused with its place.
 
 /// Bytes of a header.
 pub(crate) struct Walk<'a> {
@@ -13,23 +12,14 @@ pub(crate) struct Walk<'a> {
 /// Structs and lists within each other.
 const DEEPEST: usize = 32;
 
-/// A page, by its header.
+/// Sizes of a page, bytes.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Page {
-    /// Bytes of the header itself.
+    /// Of the header itself.
     pub header: usize,
-    /// Bytes.
     pub unpacked: usize,
-    /// Bytes.
     pub packed: usize,
-    /// It is the dictionary of those that follow.
-    pub is_dictionary: bool,
-    /// Its values are places in a dictionary.
-    pub uses_dictionary: bool,
 }
-
-/// What a walk sees: the field that its struct is in, if it is not the outermost, its own number, and its value.
-type See<'a> = &'a mut dyn FnMut(Option<i64>, i64, i64);
 
 impl<'a> Walk<'a> {
     pub(crate) const fn new(bytes: &'a [u8]) -> Self {
@@ -61,25 +51,19 @@ impl<'a> Walk<'a> {
 
     /// Walks over a struct; false where it does not fit its bytes.
     pub(crate) fn fits(&mut self) -> bool {
-        self.structure(0, None, &mut |_, _, _| ()).is_some()
+        self.structure(0, &mut |_, _| ()).is_some()
     }
 
     /// The header of a page; None where it does not fit its bytes.
     pub(crate) fn page(&mut self) -> Option<Page> {
         let mut page = Page::default();
         let mut negative = false;
-        self.structure(0, None, &mut |within, field, value| {
-            let mut size = || {
-                let size = usize::try_from(value);
-                negative |= size.is_err();
-                size.unwrap_or(0)
-            };
-            match (within, field) {
-                (None, 1) => page.is_dictionary = value == 2,
-                (None, 2) => page.unpacked = size(),
-                (None, 3) => page.packed = size(),
-                // encoding of either version: PLAIN_DICTIONARY, RLE_DICTIONARY
-                (Some(5), 2) | (Some(8), 4) => page.uses_dictionary = matches!(value, 2 | 8),
+        self.structure(0, &mut |field, value| {
+            let size = usize::try_from(value);
+            negative |= matches!(field, 2 | 3) && size.is_err();
+            match field {
+                2 => page.unpacked = size.unwrap_or(0),
+                3 => page.packed = size.unwrap_or(0),
                 _ => {}
             }
         })?;
@@ -87,8 +71,8 @@ impl<'a> Walk<'a> {
         (!negative).then_some(page)
     }
 
-    /// Walks over a struct; `see` gets the whole numbers among its own fields, and of the structs right within the outermost.
-    fn structure(&mut self, depth: usize, within: Option<i64>, see: See<'_>) -> Option<()> {
+    /// Walks over a struct; `see` gets the whole numbers among its own fields.
+    fn structure(&mut self, depth: usize, see: &mut dyn FnMut(i64, i64)) -> Option<()> {
         if depth > DEEPEST {
             return None;
         }
@@ -105,9 +89,8 @@ impl<'a> Walk<'a> {
                 1 | 2 => {}
                 4..=6 => {
                     let value = self.zigzag()?;
-                    see(within, field, value);
+                    see(field, value);
                 }
-                12 if depth == 0 => self.structure(1, Some(field), see)?,
                 kind => self.value(kind, depth)?,
             }
         }
@@ -136,7 +119,7 @@ impl<'a> Walk<'a> {
                 }
                 (0..length).try_for_each(|_| self.value(head & 0x0f, depth + 1))
             }
-            12 => self.structure(depth + 1, None, &mut |_, _, _| ()),
+            12 => self.structure(depth + 1, &mut |_, _| ()),
             _ => None,
         }
     }
@@ -150,26 +133,9 @@ mod tests {
     fn a_page_header_is_read() {
         // 1: type 0, 2: unpacked 100, 3: packed 60, 5: struct { 1: 10 values }, stop
         let header = [0x15, 0x00, 0x15, 0xc8, 0x01, 0x15, 0x78, 0x2c, 0x15, 0x14, 0x00, 0x00];
-        let page = Page { header: 12, unpacked: 100, packed: 60, ..Page::default() };
-        assert_eq!(Walk::new(&header).page(), Some(page));
+        assert_eq!(Walk::new(&header).page(), Some(Page { header: 12, unpacked: 100, packed: 60 }));
         for cut in 0..header.len() {
             assert_eq!(Walk::new(&header[..cut]).page(), None);
-        }
-    }
-
-    #[test]
-    fn a_page_header_tells_of_its_dictionary() {
-        // 1: type 2, 2: unpacked 8, 3: packed 8, 7: struct { 1: 1 value, 2: encoding 0 }, stop
-        let dictionary = [0x15, 0x04, 0x15, 0x10, 0x15, 0x10, 0x4c, 0x15, 0x02, 0x15, 0x00, 0x00, 0x00];
-        let page = Walk::new(&dictionary).page().expect("a page");
-        assert!(page.is_dictionary && !page.uses_dictionary);
-        // 5: struct { 1: 10 values, 2: encoding 8 }; 8: struct { 1: 10 values, 4: encoding 2 }
-        for nested in
-            [&[0x2c, 0x15, 0x14, 0x15, 0x10, 0x00, 0x00][..], &[0x5c, 0x15, 0x14, 0x35, 0x04, 0x00, 0x00][..]]
-        {
-            let header = [&[0x15, 0x00, 0x15, 0x10, 0x15, 0x10][..], nested].concat();
-            let page = Walk::new(&header).page().expect("a page");
-            assert!(page.uses_dictionary && !page.is_dictionary, "{page:?}");
         }
     }
 
