@@ -10,6 +10,9 @@ use signals::{quantile, rms};
 const LATEST: f64 = 0.25;
 const LATEST_SAMPLES: f64 = 5.0;
 
+/// Ratio of neighbouring lags of a force: pulses so much longer have 9/10 in common.
+const LAG_RATIO: f64 = 1.23;
+
 /// Scales of a set of stretches, from which the shapes worth trying follow.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scales {
@@ -104,6 +107,9 @@ impl Scales {
                     .take_while(|w| *w <= many)
                     .map(|w| span / w)
                     .collect();
+            } else if p.scale == Scale::Lag && matches!(kind, TermKind::Force(_)) {
+                // It acts for as long after each reversal: a grid from which another effect looks nearer would name that.
+                (1.0 + (high / low).ln() / LAG_RATIO.ln()).ceil() as usize
             } else {
                 points
             };
