@@ -60,19 +60,44 @@ const BUT_SIGMA: [usize; COUNT - 1] = [MASS, VISCOUS, LIMIT_P, LIMIT_N];
 /// # Errors
 /// A start that is not finite and positive where it must be, or a recording with too few samples in motion.
 pub fn identify_dahl(signals: &Signals, options: &DahlOptions) -> Result<Identification, Error> {
+    fit(signals, options, &|| false)
+}
+
+/// As [`identify_dahl`]. Asks `is_interrupted` at each evaluation of the law; None once it says so.
+///
+/// # Errors
+/// As [`identify_dahl`].
+pub fn identify_dahl_watched(
+    signals: &Signals,
+    options: &DahlOptions,
+    is_interrupted: &dyn Fn() -> bool,
+) -> Result<Option<Identification>, Error> {
+    let found = fit(signals, options, is_interrupted)?;
+    Ok((!is_interrupted()).then_some(found))
+}
+
+fn fit(
+    signals: &Signals,
+    options: &DahlOptions,
+    is_interrupted: &dyn Fn() -> bool,
+) -> Result<Identification, Error> {
     let ready = Ready::new(signals, options.errors)?;
     let start = match options.start {
         Some(start) => checked(&start)?,
         None => first_guess(&ready)?,
     };
-    Ok(with_trace(&ready, |trace| {
+    Ok(with_trace(&ready, is_interrupted, |trace| {
         let best = search(trace, &ready, &start, options.scan);
         Report { trace, ready: &ready, best }.identification()
     }))
 }
 
 /// A trace over ready signals, handed to `use_it`.
-fn with_trace<R>(ready: &Ready<'_>, use_it: impl FnOnce(&Trace<'_>) -> R) -> R {
+fn with_trace<R>(
+    ready: &Ready<'_>,
+    is_interrupted: &dyn Fn() -> bool,
+    use_it: impl FnOnce(&Trace<'_>) -> R,
+) -> R {
     let rows = |series: &[f64]| ready.rows(series);
     use_it(&Trace {
         dt: ready.dt,
@@ -82,6 +107,7 @@ fn with_trace<R>(ready: &Ready<'_>, use_it: impl FnOnce(&Trace<'_>) -> R) -> R {
         force: ready.force_rows.clone(),
         rows: &rows,
         errors: [ready.errors.acceleration, ready.errors.velocity],
+        is_interrupted,
     })
 }
 
@@ -203,6 +229,9 @@ impl Report<'_> {
             |report: &Self, cost: f64| cost - report.best.cost > CHI_SQUARED * report.unit(independence);
         let (mut at, mut point) = (self.best.point[SIGMA], self.best.point);
         loop {
+            if (self.trace.is_interrupted)() {
+                return None;
+            }
             let next = at + step;
             // written so that what is not a number ends the walk
             if !((end - next) * step >= 0.0) {

@@ -32,6 +32,8 @@ pub(crate) struct Trace<'a> {
     pub rows: &'a dyn Fn(&[f64]) -> Vec<f64>,
     /// Error variances of the mass and viscous columns.
     pub errors: [f64; 2],
+    /// Whether to end early; what a fit returns is then worth nothing.
+    pub is_interrupted: &'a (dyn Fn() -> bool + 'a),
 }
 
 /// Bounds of ln σ and ln D: far outside anything physical, so that a bad start cannot overflow.
@@ -125,6 +127,9 @@ impl Trace<'_> {
 
     /// Levenberg-Marquardt from `start` over the parameters `free`.
     pub fn minimise(&self, start: &Point, free: &[usize], patience: usize) -> Fitted {
+        if (self.is_interrupted)() {
+            return Fitted { point: *start, cost: f64::INFINITY, converged: false, evaluations: 0 };
+        }
         let problem = Free { trace: self, point: bounded(start), free, now: None };
         let (problem, report) = LevenbergMarquardt::new()
             .with_ftol(1e-10)
@@ -153,6 +158,9 @@ impl Trace<'_> {
         }
         let n = self.force.len() as f64;
         for _ in 0..4 {
+            if (self.is_interrupted)() {
+                break;
+            }
             let (residual, jacobian) = self.linearise(&p, free);
             let mut normal = jacobian.tr_mul(&jacobian);
             let mut gradient = -jacobian.tr_mul(&residual);
@@ -218,6 +226,10 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Free<'_, '_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
+        // without residuals the minimiser ends
+        if (self.trace.is_interrupted)() {
+            return None;
+        }
         self.now.as_ref().map(|(r, _)| r.clone())
     }
 

@@ -25,7 +25,7 @@ mod static_level;
 mod uncertain;
 mod unfiltered;
 
-pub use dahl::{DahlOptions, DahlStart, identify_dahl};
+pub use dahl::{DahlOptions, DahlStart, identify_dahl, identify_dahl_watched};
 pub use errors::Errors;
 pub use identification::{Estimate, Identification, NotIdentifiable, SCHEMA};
 pub use karnopp::{KarnoppOptions, identify_karnopp};

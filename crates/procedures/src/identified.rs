@@ -2,10 +2,11 @@
 
 use crate::error::{Error, Result};
 use crate::recordings::{joined, model_name};
+use crate::watch::{Unwatched, Watch};
 use diagnose::Quantity;
 use identify::{
-    DahlOptions, Errors, Estimate, Identification, KarnoppOptions, Model, Preprocess, Signals, identify_dahl,
-    identify_karnopp, prepare,
+    DahlOptions, Errors, Estimate, Identification, KarnoppOptions, Model, Preprocess, Signals,
+    identify_dahl_watched, identify_karnopp, prepare,
 };
 use report::Undetermined;
 use signals::{Preparation, Recording};
@@ -154,18 +155,40 @@ pub struct Identified {
 /// # Errors
 /// What is wrong with the recordings or the options.
 pub fn identify(recordings: &[Recording], how: &How) -> Result<Identified> {
+    identify_watched(recordings, how, &Unwatched)
+}
+
+/// As [`identify`]. Ends early when `watch` is interrupted: between preparation and fit, and within a fit of Dahl's law.
+///
+/// # Errors
+/// As [`identify`]; [`Error::Cancelled`].
+pub fn identify_watched(recordings: &[Recording], how: &How, watch: &dyn Watch) -> Result<Identified> {
     how.check()?;
     let (recording, preparations) = joined(recordings)?;
     let default = How { preprocess: Preprocessing::Tribos, ..*how };
-    let (signals, found) = fit(how, &recording, &preparations)?;
+    let (signals, found) = fit(how, &recording, &preparations, watch)?;
     // what a published or a given preprocessing changes is seen beside the default
-    let beside =
-        if default == *how { None } else { fit(&default, &recording, &preparations).ok().map(|(_, f)| f) };
+    let beside = if default == *how {
+        None
+    } else {
+        fit(&default, &recording, &preparations, watch).ok().map(|(_, f)| f)
+    };
+    go_on(watch)?;
     let model = Model { name: model_name(recordings), ..Model::from(&found) };
     Ok(Identified { name: recording.name, signals, found, beside, model })
 }
 
-fn fit(how: &How, recording: &Recording, preparations: &[Preparation]) -> Result<(Signals, Identification)> {
+fn go_on(watch: &dyn Watch) -> Result<()> {
+    if watch.is_interrupted() { Err(Error::Cancelled) } else { Ok(()) }
+}
+
+fn fit(
+    how: &How,
+    recording: &Recording,
+    preparations: &[Preparation],
+    watch: &dyn Watch,
+) -> Result<(Signals, Identification)> {
+    go_on(watch)?;
     let errors = if how.least_squares { Errors::LeastSquares } else { Errors::default() };
     let preprocess = match how.preprocess {
         Preprocessing::Tribos => Preprocess::Tribos { cutoff_hz: how.cutoff_hz },
@@ -173,13 +196,17 @@ fn fit(how: &How, recording: &Recording, preparations: &[Preparation]) -> Result
         Preprocessing::Thesis => Preprocess::Thesis,
     };
     let signals = prepare(recording, &preprocess)?;
+    go_on(watch)?;
     let mut found = match how.law {
         FittedLaw::Karnopp => identify_karnopp(
             &signals,
             &KarnoppOptions { errors, delta_v: how.delta_v, ..KarnoppOptions::default() },
-        ),
-        FittedLaw::Dahl => identify_dahl(&signals, &DahlOptions { errors, ..DahlOptions::default() }),
-    }?;
+        )?,
+        FittedLaw::Dahl => {
+            let options = DahlOptions { errors, ..DahlOptions::default() };
+            identify_dahl_watched(&signals, &options, &|| watch.is_interrupted())?.ok_or(Error::Cancelled)?
+        }
+    };
     if let [_, _, ..] = preparations {
         // several were joined: each has its own preparation, behind the cut-off of the fit
         let cutoff_hz = signals.preparation().cutoff_hz;

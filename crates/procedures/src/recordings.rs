@@ -1,6 +1,7 @@
 //! Recordings from files, each by the map it needs, and several as one.
 
 use crate::error::{Error, Result};
+use crate::watch::{Unwatched, Watch};
 use signals::{Map, Preparation, ReadOptions, Recording, Settings};
 use std::path::Path;
 
@@ -12,8 +13,21 @@ const GAP: f64 = 1000.0;
 /// # Errors
 /// File, line, column, value and what would be accepted, for the first failure; a map that no file needs.
 pub fn read_all(paths: &[impl AsRef<Path>], maps: &[String], joint: Option<&str>) -> Result<Vec<Recording>> {
+    read_all_watched(paths, maps, joint, &Unwatched)
+}
+
+/// As [`read_all`]. Ends early, between two files, when `watch` is interrupted.
+///
+/// # Errors
+/// As [`read_all`]; [`Error::Cancelled`].
+pub fn read_all_watched(
+    paths: &[impl AsRef<Path>],
+    maps: &[String],
+    joint: Option<&str>,
+    watch: &dyn Watch,
+) -> Result<Vec<Recording>> {
     let files: Vec<Content> = paths.iter().map(|path| Content::OnDisk(path.as_ref())).collect();
-    read_each(&files, maps, joint)
+    read_each(&files, maps, joint, watch)
 }
 
 /// As [`read_all`], of files in memory: name and content.
@@ -26,7 +40,7 @@ pub fn read_bytes(
     joint: Option<&str>,
 ) -> Result<Vec<Recording>> {
     let files: Vec<Content> = files.iter().map(|(name, bytes)| Content::InMemory(name, bytes)).collect();
-    read_each(&files, maps, joint)
+    read_each(&files, maps, joint, &Unwatched)
 }
 
 /// Where a file is.
@@ -67,10 +81,18 @@ impl<'a> Content<'a> {
     }
 }
 
-fn read_each(files: &[Content], maps: &[String], joint: Option<&str>) -> Result<Vec<Recording>> {
+fn read_each(
+    files: &[Content],
+    maps: &[String],
+    joint: Option<&str>,
+    watch: &dyn Watch,
+) -> Result<Vec<Recording>> {
     let mut used = vec![false; maps.len()];
     let mut recordings = Vec::with_capacity(files.len());
     for file in files {
+        if watch.is_interrupted() {
+            return Err(Error::Cancelled);
+        }
         let parsed = maps_of(file.path(), maps)?;
         let (recording, map) = file.read(&parsed, joint)?;
         if let Some(index) = map.and_then(|map| parsed.iter().position(|m| m == map)) {

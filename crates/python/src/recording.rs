@@ -1,7 +1,7 @@
 //! Recordings: files, columns, faults.
 
 use crate::{arrays, errors, work};
-use procedures::recordings::read_all;
+use procedures::recordings::read_all_watched;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use signals::{Map, RecordingFault};
@@ -34,8 +34,8 @@ pub(crate) fn read(
     maps: Vec<String>,
     joint: Option<String>,
 ) -> PyResult<Vec<Recording>> {
-    let read = move |_: &work::Watched| {
-        read_all(&paths, &maps, joint.as_deref()).map_err(|e| errors::of_procedure(&e))
+    let read = move |watched: &work::Watched| {
+        read_all_watched(&paths, &maps, joint.as_deref(), watched).map_err(|e| errors::of_procedure(&e))
     };
     let read = work::run(py, None, read)??;
     Ok(read.into_iter().map(Recording::from).collect())

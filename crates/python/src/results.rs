@@ -36,8 +36,8 @@ pub(crate) fn identify_recordings(
         least_squares,
     };
     let recordings = owned(&recordings);
-    let inner = work::run(py, None, move |_| {
-        identified::identify(&recordings, &how).map_err(|e| errors::of_procedure(&e))
+    let inner = work::run(py, None, move |watched| {
+        identified::identify_watched(&recordings, &how, watched).map_err(|e| errors::of_procedure(&e))
     })??;
     Ok(Identification { inner })
 }

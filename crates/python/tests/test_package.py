@@ -273,8 +273,16 @@ def busy():
     return time.process_time() - before > 0.1
 
 made = tribos.Recording(slide(60, cubic=9e4))
+def told(share, what):
+    print("at", share, flush=True)
+
 try:
-    tribos.diagnose(made, progress=lambda share, what: print("at", share, flush=True))
+    if sys.argv[2] == "diagnose":
+        tribos.diagnose(made, progress=told)
+    else:
+        told(0, "")
+        while True:  # a fit may be done before the signal comes
+            tribos.identify(made, law="dahl")
 except KeyboardInterrupt:
     raised = time.monotonic()
     print("interrupted", flush=True)
@@ -284,10 +292,10 @@ except KeyboardInterrupt:
 """
 
 
-@pytest.mark.parametrize("wait", [0.0, 0.5, 2.0])
-def test_control_c_ends_a_diagnosis(wait):
+@pytest.mark.parametrize(("work", "wait"), [("diagnose", 0.0), ("diagnose", 0.5), ("diagnose", 2.0), ("identify", 1.0)])
+def test_control_c_ends_the_work(work, wait):
     child = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, str(pathlib.Path(__file__).parent)],
+        [sys.executable, "-c", INTERRUPTED, str(pathlib.Path(__file__).parent), work],
         stdout=subprocess.PIPE,
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),

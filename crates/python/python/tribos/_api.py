@@ -63,6 +63,16 @@ def identify(
     ``least_squares``  plain least squares instead of Fuller's errors in variables
 
     What the recording does not determine is in ``not_identifiable``, without a number.
+
+    The GIL is released; Ctrl-C ends it, a fit of ``karnopp`` or a preparation at its end.
+
+    >>> import numpy as np, tribos
+    >>> t = np.arange(4000) * 1e-3                                        # s, shape (n,)
+    >>> x, v, a = 0.01 * np.sin(9 * t), 0.09 * np.cos(9 * t), -0.81 * np.sin(9 * t)
+    >>> force = 0.4 * a + 1.5 * np.sign(v) + 2.0 * v                      # N
+    >>> found = tribos.identify({"time_s": t, "position_m": x, "force_n": force})
+    >>> bool(abs(found.parameters["coulomb_p"].value - 1.5) < 0.01)      # N
+    True
     """
     return identification(
         _tribos.identify(recordings(recording), law, preprocess, cutoff, delta_v, least_squares)
@@ -92,6 +102,17 @@ def diagnose(
     ``progress``       True: a line on standard error; or a function of the share done, 0 to 1, and what is being done
 
     The GIL is released; Ctrl-C, or an exception of ``progress``, ends it.
+
+    >>> import numpy as np, tribos
+    >>> t = np.arange(6000) * 1e-3                                        # s
+    >>> x = sum(r * np.sin(w * t) for r, w in [(0.010, 9), (0.006, 23)])            # m
+    >>> v = sum(r * w * np.cos(w * t) for r, w in [(0.010, 9), (0.006, 23)])        # m/s
+    >>> a = -sum(r * w * w * np.sin(w * t) for r, w in [(0.010, 9), (0.006, 23)])   # m/s²
+    >>> noise = 0.02 * np.random.default_rng(1).standard_normal(t.size)
+    >>> force = 0.4 * a + 1.5 * np.sign(v) + 2.0 * v + 60.0 * x + noise   # N; no model has the spring
+    >>> why = tribos.diagnose({"time_s": t, "position_m": x, "force_n": force})
+    >>> why.verdict, why.missing[0].effect
+    ('mismatch', 'spring')
     """
     with Shown(progress) as callback:
         return diagnosis(
@@ -113,6 +134,14 @@ def predict(model: Union[Model, Path], recording: Source, *, absolute: bool = Fa
 
     The measured force is not used. Effects with a phase along the stroke are left out of a recording that the model was not made of,
     unless the position is ``absolute``; a warning says so.
+
+    >>> import numpy as np, tribos
+    >>> t = np.arange(2000) * 1e-3                                        # s
+    >>> x, v, a = 0.01 * np.sin(9 * t), 0.09 * np.cos(9 * t), -0.81 * np.sin(9 * t)
+    >>> model = tribos.Model.from_toml('law = "coulomb"\\nmass = 0.4\\nf_dynamic = 1.5\\ndamping = 2.0')
+    >>> force = tribos.predict(model, {"time_s": t, "position_m": x, "force_n": 0 * t})
+    >>> force.shape, bool(abs(force[1396] - (0.4 * a + 2.0 * v + 1.5)[1396]) < 0.02)   # N
+    ((2000,), True)
     """
     made = model if isinstance(model, Model) else Model.read(model)
     natives = recordings(recording)

@@ -1,5 +1,7 @@
 //! The command as people use it. One binary: it links once, and long tests run beside each other.
 
+#[cfg(unix)]
+mod board;
 mod book;
 mod cli;
 mod demo;

@@ -97,6 +97,104 @@ pub fn beyond_loopback_nobody_comes_in_without_the_token() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
+/// Files beside the lab's folder, with names that the lab serves, are neither sent nor analysed.
+pub fn no_path_leads_out_of_the_folder() {
+    const SECRET: &str = "not for the page";
+    let folder = tempfile::tempdir().expect("a folder");
+    let inside = folder.path().join("lab");
+    std::fs::create_dir(&inside).expect("the lab's folder");
+    let rows = |what: &str| format!("# note: {what}\ntime_s,position_m,force_n\n0,0,1\n0.001,0,1\n");
+    for name in ["rec-900.csv", "rec-900.html", "rec-900.jsonl", "lab.csv"] {
+        std::fs::write(folder.path().join(name), rows(SECRET)).expect("a file outside");
+    }
+    std::fs::write(inside.join("rec-001.csv"), rows("for the page")).expect("a file inside");
+    let lab = lab(&folder);
+    let served = lab.get("/recordings/rec-001.csv", "");
+    assert!(served.starts_with("HTTP/1.1 200") && served.contains("for the page"), "{served}");
+    let outside = folder.path().join("rec-900").display().to_string();
+    let mut tried = 0;
+    for kind in ["recordings", "reports", "assets"] {
+        for ending in ["csv", "html", "jsonl", "mcap"] {
+            for way in [
+                "../rec-900",
+                "../../rec-900",
+                "..%2frec-900",
+                "..%2Frec-900",
+                "%2e%2e/rec-900",
+                "%2e%2e%2frec-900",
+                "..%252frec-900",
+                "..%5crec-900",
+                "..\\rec-900",
+                "rec-001.csv/../../rec-900",
+                "..%00/rec-900",
+                &outside,
+                &outside.replace('/', "%2f"),
+                &format!("/{outside}"),
+            ] {
+                let answer = lab.get(&format!("/{kind}/{way}.{ending}"), "");
+                tried += 1;
+                assert!(answer.starts_with("HTTP/1.1 40"), "{kind}/{way}.{ending}: {answer}");
+                assert!(!answer.contains(SECRET), "{kind}/{way}.{ending} is sent");
+            }
+        }
+    }
+    let mut socket = own_socket(&lab);
+    wait_for(&mut socket, "the device", |m| m["is"] == "state" && m["connected"] == true);
+    for name in
+        ["../rec-900.csv", "..\\rec-900.csv", &format!("{outside}.csv"), "rec-001.csv/../../rec-900.csv"]
+    {
+        for (what, message) in [
+            ("identify", json!({ "do": "identify", "recordings": [name] })),
+            ("diagnose", json!({ "do": "diagnose", "recordings": [name] })),
+            ("analyse", json!({ "do": "analyse", "sessions": [name] })),
+            ("resume", json!({ "do": "resume", "name": name.replace(".csv", ".jsonl") })),
+        ] {
+            ask(&mut socket, &message);
+            let said = wait_for(&mut socket, "a refusal", |m| m["is"] == "said" && m["tone"] == "refused");
+            let why = said["text"].as_str().unwrap_or_default();
+            assert!(
+                why.starts_with("no recording or session `") || why.starts_with("no session `"),
+                "{what} {name}: {said}"
+            );
+            tried += 1;
+        }
+    }
+    println!("{tried} ways out of the folder, all refused");
+    let beside = std::fs::read_dir(folder.path()).expect("the folder").count();
+    assert_eq!(beside, 5, "nothing was written beside the lab's folder");
+}
+
+/// A page that floods the lab is refused, and `stop` still works.
+pub fn a_flood_of_requests_is_refused_and_stop_is_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lab = lab(&folder);
+    let mut socket = own_socket(&lab);
+    wait_for(&mut socket, "the device", |m| m["is"] == "state" && m["connected"] == true);
+    ask(&mut socket, &json!({ "do": "arm" }));
+    wait_for(&mut socket, "force", |m| m["is"] == "state" && m["armed"] == true);
+    let began = Instant::now();
+    for k in 0..5_000 {
+        let at = 1e-6 * f64::from(k % 100);
+        socket.write(Message::text(json!({ "do": "hand", "at": at }).to_string())).expect("the lab hears");
+    }
+    ask(&mut socket, &json!({ "do": "stop" }));
+    ask(&mut socket, &json!({ "do": "ping", "id": 1 }));
+    let (mut refused, mut refusals_of_stop) = (0, 0);
+    wait_for(&mut socket, "the lab answers", |m| {
+        let flood = m["text"].as_str().is_some_and(|why| why.starts_with("too many requests"));
+        refused += u32::from(flood);
+        refusals_of_stop += u32::from(m["tone"] == "refused" && !flood);
+        m["is"] == "pong"
+    });
+    let took = began.elapsed().as_secs_f64();
+    println!("{refused} of 5000 requests in {took:.2} s are refused");
+    // those of a second and of the time that the flood took are accepted
+    assert!(f64::from(refused) >= 5_000.0 - 500.0 * (took + 1.0) - 1.0, "{refused} in {took} s");
+    assert!(refused > 1_000, "the flood was too slow to be one: {refused} in {took} s");
+    assert_eq!(refusals_of_stop, 0);
+    wait_for(&mut socket, "a device without force", |m| m["is"] == "state" && m["armed"] == false);
+}
+
 /// What a page may send, broken in every way one can think of.
 fn malformed(rng: &mut ChaCha8Rng) -> Message {
     const GOOD: &[&str] = &[

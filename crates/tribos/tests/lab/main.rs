@@ -23,6 +23,8 @@ fn main() -> ExitCode {
         tests![
             access::pages_of_other_origins_can_neither_read_nor_command,
             access::beyond_loopback_nobody_comes_in_without_the_token,
+            access::no_path_leads_out_of_the_folder,
+            access::a_flood_of_requests_is_refused_and_stop_is_not,
             access::ten_thousand_malformed_messages_crash_nothing,
             access::batches_of_ones_own_are_presented_and_what_the_device_would_refuse_is_refused_before_the_first_trial,
             origin::a_virtual_device_on_a_port_is_homed_by_itself,
