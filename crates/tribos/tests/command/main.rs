@@ -1,7 +1,5 @@
 //! The command as people use it. One binary: it links once, and long tests run beside each other.
 
-#[cfg(unix)]
-mod board;
 mod book;
 mod cli;
 mod demo;
