@@ -24,6 +24,8 @@ const WATCH_S: u32 = 2;
 const ALIVE_S: f64 = 0.25;
 /// Silence on the line that ends the stream.
 const SILENCE: Duration = Duration::from_secs(2);
+/// Longest time in which a stopped motion ramps out.
+const RAMPED: Duration = Duration::from_secs(3);
 
 /// Plan of a recording.
 #[derive(Debug, Clone)]
@@ -87,6 +89,7 @@ pub fn record(
         "stop"
     };
     let quiet = session.command(ending).and_then(|_| session.command("stream off"));
+    let quiet = quiet.and_then(|_| settle(session));
     let quiet =
         match patience.map(|seconds| if seconds.starts_with("off") { "0".to_owned() } else { seconds }) {
             Some(seconds) => quiet.and_then(|_| session.command(&format!("watch {seconds}"))),
@@ -98,6 +101,17 @@ pub fn record(
     })?;
     quiet?;
     Ok(recorded)
+}
+
+/// Waits until a stopped motion has ramped out: the next command would find the device busy.
+fn settle(session: &mut Session) -> Result<String> {
+    let began = Instant::now();
+    loop {
+        let status = session.command("status")?;
+        if !status.contains(haptics::ModeId::Exciting.id()) || began.elapsed() > RAMPED {
+            return Ok(status);
+        }
+    }
 }
 
 fn take(
@@ -276,6 +290,20 @@ mod tests {
     use friction::Geometry;
     use link::Mechanics;
     use signals::{ReadOptions, Recording};
+
+    #[test]
+    fn a_second_recording_right_after_the_first_found_the_device_busy() {
+        let path = std::env::temp_dir().join(format!("tribos-twice-{}.csv", std::process::id()));
+        let motion = "sine 0.01 2".parse().unwrap();
+        let plan = Plan { motion: Some(motion), seconds: 0.5, notes: Vec::new() };
+        let mut session = Session::open("sim", 1).unwrap();
+        for _ in 0..2 {
+            let recorded = record(&mut session, &plan, &path, &mut |_| ControlFlow::Continue(())).unwrap();
+            assert_eq!(recorded.samples, 500);
+            assert!(session.command("status").unwrap().contains("idle"));
+        }
+        std::fs::remove_file(&path).unwrap();
+    }
 
     #[test]
     fn a_rotary_device_is_recorded_in_radians() {
