@@ -158,10 +158,10 @@ pub fn identify(recordings: &[Recording], how: &How) -> Result<Identified> {
     identify_watched(recordings, how, &Unwatched)
 }
 
-/// As [`identify`]. Ends early when `watch` is interrupted: between preparation and fit, and within a fit of Dahl's law.
+/// As [`identify()`]. Ends early when `watch` is interrupted: between preparation and fit, and within a fit of Dahl's law.
 ///
 /// # Errors
-/// As [`identify`]; [`Error::Cancelled`].
+/// As [`identify()`]; [`Error::Cancelled`].
 pub fn identify_watched(recordings: &[Recording], how: &How, watch: &dyn Watch) -> Result<Identified> {
     how.check()?;
     let (recording, preparations) = joined(recordings)?;
