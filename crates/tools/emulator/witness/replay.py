@@ -148,6 +148,24 @@ class Replay:
     def vector(self, exception):
         return struct.unpack_from("<I", self.flash, 4 * exception)[0] & ~1
 
+    def carried_out(self, place, is_first):
+        """Instructions of an IT block from `place` up to here that were carried out [armv7-m, ch. A7.3]; `is_first`: the one there was."""
+        half = lambda at: int.from_bytes(self.core.mem_read(at, 2), "little")
+        length = lambda at: 4 if half(at) >> 11 >= 0b11101 else 2
+        for start in range(place - 2, place - 16, -2):
+            it = half(start)
+            if it >> 8 != 0xBF or it & 15 == 0:
+                continue
+            block, at = {}, start + 2
+            for k in range(4 - (it & -it).bit_length() + 1):
+                block[at] = (it >> 4 if k == 0 else it >> (4 - k)) & 1
+                at += length(at)
+            if place in block:
+                past = [block[at] for at in block if place <= at < self.pc]
+                return sum((condition == block[place]) == is_first for condition in past)
+        self.fail(f"{place:#010x} is in no IT block")
+        return 0
+
     def enter(self, exception, place, returns_to):
         """[armv7-m, ch. B1.5.6]"""
         recorded = returns_to & ~1
@@ -155,7 +173,7 @@ class Replay:
             # unicorn stops within an IT block only after the next instruction, and one that is not carried out does not count
             if not (place and 0 < self.pc - recorded <= 16):
                 self.fail(f"exception {exception} taken at {self.pc:#010x}, recorded is {recorded:#010x}")
-            self.ahead = int(place == CARRIED_OUT)
+            self.ahead = self.carried_out(recorded, place == CARRIED_OUT)
             self.late += self.ahead
         self.waiting.append(self.ahead)
         self.ahead = 0
