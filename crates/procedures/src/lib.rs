@@ -42,10 +42,10 @@ pub mod rendered;
 mod rendered_textures;
 #[cfg(feature = "device")]
 pub mod simulated;
-#[cfg(feature = "device")]
 mod watch;
 
 pub use error::Error;
 pub use prediction_errors::PredictionErrors;
 #[cfg(feature = "device")]
-pub use watch::{Activity, Unwatched, Watch, record};
+pub use watch::record;
+pub use watch::{Activity, Unwatched, Watch};

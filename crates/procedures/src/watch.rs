@@ -1,8 +1,9 @@
 //! How a procedure shows its progress, and is interrupted.
 
+#[cfg(feature = "device")]
 use client::{Error, Plan, Recorded, Session};
-use std::ops::ControlFlow;
-use std::path::Path;
+#[cfg(feature = "device")]
+use std::{ops::ControlFlow, path::Path};
 
 /// Who watches a procedure: a terminal, a page, or nobody.
 pub trait Watch {
@@ -46,6 +47,7 @@ impl Activity for Unwatched {
 ///
 /// # Errors
 /// Those of [`client::record`].
+#[cfg(feature = "device")]
 pub fn record(session: &mut Session, plan: &Plan, path: &Path, watch: &dyn Watch) -> Result<Recorded, Error> {
     watch.listen();
     let activity = watch.begin("recording");
