@@ -20,6 +20,9 @@ use signals::{
 /// velocity that a drive measures is late and held where pulses are rare, and no filter takes that out.
 const DERIVED: f64 = 0.25;
 
+/// Samples that a straight line is laid through at least.
+const LINE: usize = 4;
+
 /// What is known of the moments at which the direction of sliding is not.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reversals {
@@ -198,10 +201,14 @@ impl Track {
             let after = if i < n { self.v[i].signum() } else { direction };
             // Averaged, the noise of a body at rest stays below half the guard, and what slides slowly does not.
             let slowest = mean[start..i].iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
-            // The most likely moment of the crossing is the last change of sign inside.
-            let change =
-                (start.max(1)..i).rev().find(|&j| self.v[j] * after > 0.0 && self.v[j - 1] * after <= 0.0);
-            let change = change.unwrap_or((start + i) / 2).clamp(start, i);
+            // The noise of a body that is held crosses zero long before it gets going. One that passes crossed where its sign changed.
+            let begun = if after != direction { self.begins(start..i, guard) } else { None };
+            let change = begun
+                .or_else(|| {
+                    (start.max(1)..i).rev().find(|&j| self.v[j] * after > 0.0 && self.v[j - 1] * after <= 0.0)
+                })
+                .unwrap_or((start + i) / 2)
+                .clamp(start, i);
             for j in start..i {
                 self.sign[j] = if j < change { direction } else { after };
             }
@@ -214,6 +221,17 @@ impl Track {
         for (from, to) in unknown.into_iter().filter(|_| !self.reversals.kept) {
             self.mask[from..to].fill(0.0);
         }
+    }
+
+    /// Sample at which a body got going that was held meanwhile: where the straight line of its speed, until this is well above the
+    /// guard and for a cycle of the filter at most, was zero. None of a body that passed, in twice the time of its way out.
+    fn begins(&self, slow: std::ops::Range<usize>, guard: f64) -> Option<usize> {
+        let from = slow.end;
+        let cycle = samples(1.0, self.filter.cutoff(), self.raw.dt);
+        let gone = self.v[from..].iter().take(cycle).position(|v| v.abs() >= 4.0 * guard);
+        let line = self.v.get(from..from + gone.unwrap_or(cycle).max(LINE))?;
+        let back = zero_before(line)?;
+        (slow.len() > 3 * back.max(1)).then(|| from.saturating_sub(back))
     }
 
     fn measure_reversals(&mut self) {
@@ -319,6 +337,16 @@ pub fn stride(dt: f64, cutoff: f64) -> usize {
     ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize
 }
 
+/// Sample, counted from the first and rounded, at which the straight line through `series` was zero; none where that is later
+/// than the first. At least [`LINE`] samples.
+fn zero_before(series: &[f64]) -> Option<usize> {
+    let n = series.len() as f64;
+    let (mean, middle) = (series.iter().sum::<f64>() / n, 0.5 * (n - 1.0));
+    let moment: f64 = series.iter().enumerate().map(|(k, x)| (k as f64 - middle) * x).sum();
+    let back = mean * n * (n * n - 1.0) / 12.0 / moment - middle;
+    (back.is_finite() && back >= 0.0).then(|| back.round() as usize)
+}
+
 /// Mean over `half` samples to either side, fewer at the ends.
 fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
     let mut sums = vec![0.0; series.len() + 1];
@@ -331,4 +359,48 @@ fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
             (sums[high] - sums[low]) / (high - low) as f64
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+    use signals::choose_cutoff;
+
+    #[test]
+    fn a_held_body_got_going_when_noise_of_the_encoder_last_changed_sign() {
+        // to and fro, each way 50 mm/s after 50 ms, held for 60 ms between
+        const DT: f64 = 1e-3;
+        let speed = |t: f64| {
+            let (way, since) = ((t / 0.31).floor(), t % 0.31);
+            let up = ((since - 0.06) / 0.05).clamp(0.0, 1.0);
+            let down = ((0.31 - since) / 0.05).clamp(0.0, 1.0);
+            0.05 * up.min(down) * if way % 2.0 == 0.0 { 1.0 } else { -1.0 }
+        };
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let mut noise = |std: f64| -> f64 {
+            std * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut random)
+        };
+        let (mut position, mut force, mut x) = (Vec::new(), Vec::new(), 0.0);
+        for i in 0..6_200_u32 {
+            let t = f64::from(i) * DT;
+            x += DT * speed(t + 0.5 * DT);
+            position.push(((x + noise(1e-6)) / 2.5e-6).round() * 2.5e-6);
+            let (v, a) = (speed(t), (speed(t + 0.5 * DT) - speed(t - 0.5 * DT)) / DT);
+            force.push(0.4 * a + v.signum() + noise(0.05));
+        }
+        let channels = Channels { dt: DT, position, force, ..Channels::default() };
+        let cutoff = choose_cutoff(std::slice::from_ref(&channels));
+        let track = Track::new(channels, cutoff, Reversals::default());
+        let found: Vec<f64> =
+            (1..track.len()).filter(|&i| track.sign[i] != track.sign[i - 1]).map(|i| i as f64 * DT).collect();
+        assert_eq!(found.len(), 19);
+        let late: Vec<f64> =
+            (1..20).zip(&found).map(|(way, at)| 1e3 * (at - 0.31 * f64::from(way) - 0.06)).collect();
+        let rms = (late.iter().map(|d| d * d).sum::<f64>() / late.len() as f64).sqrt();
+        println!("cut-off {cutoff:.0} Hz; late by {late:.1?} ms, rms {rms:.2} ms");
+        assert!(rms < 2.0);
+    }
 }
