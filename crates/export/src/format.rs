@@ -3,7 +3,7 @@
 /// Format of a simulator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// MJCF of MuJoCo: damping, friction loss, a linear spring.
+    /// MJCF of MuJoCo: damping, friction loss, a linear spring; bristles and waves over the position by a `dcmotor` without input.
     Mujoco,
     /// URDF: damping, friction, limits of a slide.
     Urdf,
@@ -31,5 +31,10 @@ impl Format {
     /// Whether it has a break-away above the sliding friction.
     pub(crate) fn has_break_away(self) -> bool {
         self == Self::Modelica
+    }
+
+    /// Whether friction may bend bristles before it slides: LuGre's law with a Gaussian fall over the speed.
+    pub(crate) fn has_bristles(self) -> bool {
+        self == Self::Mujoco
     }
 }

@@ -10,7 +10,7 @@
 //! bam      the joint as parameters of BAM
 //! ```
 //!
-//! A format holds a sum of few terms: friction of one level, one damping, in MJCF also a linear spring, in Modelica also tables over
+//! A format holds a sum of few terms: friction of one level, one damping, in MJCF also a linear spring, bristles and waves over the position, in Modelica also tables over
 //! the speed and over the position, in BAM also friction that falls with the speed. A model is reduced to them
 //! step by step. Every step says what it drops, and how much force that is on a recording.
 #![forbid(unsafe_code)]
@@ -27,8 +27,8 @@ mod xml;
 
 pub use error::Error;
 pub use format::Format;
-pub use part::Falling;
-pub use reduce::{Dropped, Exported, Joint};
+pub use part::{Falling, Wave};
+pub use reduce::{Bristle, Dropped, Exported, Joint};
 
 use identify::Model;
 use signals::{Geometry, Recording};

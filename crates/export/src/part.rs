@@ -21,6 +21,10 @@ pub(crate) enum Part {
     Speed,
     /// A function of the position.
     Place,
+    /// A sum of waves over the position.
+    Waves([Wave; WAVES]),
+    /// Bristles that bend before the contact slides.
+    Presliding(Presliding),
 }
 
 impl Part {
@@ -30,7 +34,11 @@ impl Part {
             return Some(Self::Sum(sum));
         }
         match format {
-            Format::Mujoco | Format::Urdf => None,
+            Format::Urdf => None,
+            Format::Mujoco => falling(effect)
+                .map(Self::Falling)
+                .or_else(|| waves(effect).map(Self::Waves))
+                .or_else(|| presliding(effect).map(Self::Presliding)),
             Format::Bam => falling(effect).map(Self::Falling),
             Format::Modelica
                 if depends_on(effect, |m| Motion { velocity: m.velocity, ..Motion::default() }) =>
@@ -57,6 +65,29 @@ pub struct Falling {
     pub speed: f64,
     /// 1: exponential; 2: Gaussian.
     pub exponent: f64,
+}
+
+/// Most waves of an effect.
+pub(crate) const WAVES: usize = 2;
+
+/// F = amplitude·sin(per_length·x + phase); no wave where the amplitude is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wave {
+    /// N or N·m.
+    pub amplitude: f64,
+    /// Wave number, rad/m or rad/rad.
+    pub per_length: f64,
+    /// rad.
+    pub phase: f64,
+}
+
+/// F = force·(z − s), dz/dx = (1 − s·z)/distance, s = sgn v: what bristles take from friction that turns round at once.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Presliding {
+    /// N or N·m.
+    pub(crate) force: f64,
+    /// m or rad.
+    pub(crate) distance: f64,
 }
 
 /// F = friction·sgn v + damping·v + stiffness·x + constant + per_load·|F_applied|·sgn v.
@@ -166,6 +197,108 @@ fn falling(effect: &Effect<f64>) -> Option<Falling> {
         speed: rounded(at_e.exp()),
         exponent: rounded(exponent),
     })
+}
+
+/// The effect as bristles, if it is nothing else.
+fn presliding(effect: &Effect<f64>) -> Option<Presliding> {
+    // its force at the end of slides from rest; speed and applied force must not matter
+    let after = |slides: &[f64]| {
+        let mut state = EffectState::default();
+        slides.iter().enumerate().fold(0.0, |_, (i, dx)| {
+            let (velocity, applied) = (dx.signum() * (0.1 + i as f64), 1.0 - i as f64);
+            let motion = Motion { dt: 1e-3, displacement: *dx, velocity, applied, ..Motion::default() };
+            effect.step(&mut state, &motion)
+        })
+    };
+    const FAR: f64 = 1e6;
+    let force = 0.5 * after(&[FAR, -1e-15]);
+    if !(force > 0.0 && force.is_finite()) {
+        return None;
+    }
+    // where a reversal has gone on to 1/e
+    let (mut near, mut far) = (1e-12_f64.ln(), 1e3_f64.ln());
+    for _ in 0..60 {
+        let middle = 0.5 * (near + far);
+        let is_near = after(&[FAR, -middle.exp()]) > 2.0 * force * (-1.0_f64).exp();
+        *(if is_near { &mut near } else { &mut far }) = middle;
+    }
+    let d = near.exp();
+    let bent = |slides: &[f64]| {
+        slides.iter().fold(0.0, |z: f64, dx| dx.signum() + (z - dx.signum()) * (-dx.abs() / d).exp())
+    };
+    let slides: [&[f64]; 5] =
+        [&[FAR], &[FAR, -0.1 * d], &[FAR, -5.0 * d], &[-FAR, 0.5 * d], &[FAR, -0.5 * d, 0.3 * d, -d]];
+    let same = slides.iter().all(|slides| {
+        let last = slides.last().map_or(0.0, |dx| dx.signum());
+        (after(slides) - force * (bent(slides) - last)).abs() <= 1e-6 * force
+    });
+    same.then(|| Presliding { force: rounded(force), distance: rounded(d) })
+}
+
+/// The effect as waves over the position, if it is nothing else.
+///
+/// A sum of two waves fulfils f(x+2h) + f(x−2h) + a·(f(x+h) + f(x−h)) + b·f(x) = 0 at every x, and a and b give both wave numbers
+///. Steps h longer than half a wave give wrong ones, short steps inaccurate ones: from the longest on, the first is
+/// taken whose waves are the effect.
+fn waves(effect: &Effect<f64>) -> Option<[Wave; WAVES]> {
+    if !depends_on(effect, |m| Motion { position: m.position, ..Motion::default() }) {
+        return None;
+    }
+    (0..60).find_map(|i| waves_of_step(effect, 10.0_f64.powf(1.0 - f64::from(i) / 8.0)))
+}
+
+fn waves_of_step(effect: &Effect<f64>, h: f64) -> Option<[Wave; WAVES]> {
+    const ROWS: usize = 40;
+    let f = |x: f64| at_place(effect, x);
+    // places that have no step in common
+    let places: Vec<f64> = (0..ROWS).map(|i| h * (0.377 * i as f64 + 0.11 * (i as f64).sin())).collect();
+    let least = |x: DMatrix<f64>, y: DVector<f64>, within: f64| -> Option<DVector<f64>> {
+        let solved = x.clone().svd(true, true).solve(&y, 1e-9).ok()?;
+        ((&x * &solved - &y).norm() <= within * y.norm()).then_some(solved)
+    };
+    // one wave: f(x+h) + f(x−h) = 2·cos(k·h)·f(x)
+    let near = DVector::from_iterator(ROWS, places.iter().map(|x| f(x + h) + f(x - h)));
+    let here = DVector::from_iterator(ROWS, places.iter().map(|x| f(*x)));
+    let one = least(DMatrix::from_columns(&[here.clone()]), near.clone(), 1e-9).map(|c| vec![0.5 * c[0]]);
+    let cosines = one.or_else(|| {
+        let far = DVector::from_iterator(ROWS, places.iter().map(|x| f(x + 2.0 * h) + f(x - 2.0 * h)));
+        let c = least(DMatrix::from_columns(&[near, here]), -far, 1e-9)?;
+        // a = −2·(c1 + c2), b = 2 + 4·c1·c2
+        let (sum, product) = (-0.5 * c[0], 0.25 * (c[1] - 2.0));
+        let root = (0.25 * sum * sum - product).sqrt();
+        Some(vec![0.5 * sum + root, 0.5 * sum - root])
+    })?;
+    if !cosines.iter().all(|c| c.abs() < 1.0) {
+        return None;
+    }
+    let numbers: Vec<f64> = cosines.iter().map(|c| c.acos() / h).collect();
+    let columns: Vec<DVector<f64>> = numbers
+        .iter()
+        .flat_map(|k| {
+            [f64::sin as fn(f64) -> f64, f64::cos]
+                .map(|wave| DVector::from_iterator(ROWS, places.iter().map(|x| wave(k * x))))
+        })
+        .collect();
+    let here = DVector::from_iterator(ROWS, places.iter().map(|x| f(*x)));
+    let gains = least(DMatrix::from_columns(&columns), here, 1e-6)?;
+    let mut out = [Wave::default(); WAVES];
+    for (i, (wave, k)) in out.iter_mut().zip(&numbers).enumerate() {
+        let (sine, cosine) = (gains[2 * i], gains[2 * i + 1]);
+        *wave = Wave {
+            amplitude: rounded(sine.hypot(cosine)),
+            per_length: rounded(*k),
+            phase: rounded(cosine.atan2(sine)),
+        };
+    }
+    // a wave may fit the places above and no others: four of the longest are looked at
+    let size: f64 = out.iter().map(|w| w.amplitude).sum();
+    let longest = TAU / numbers.iter().fold(f64::INFINITY, |least, k| k.min(least));
+    let same = (-97..=97).all(|i| {
+        let x = 4.0 * longest * f64::from(i) / 97.0;
+        let made: f64 = out.iter().map(|w| w.amplitude * (w.per_length * x + w.phase).sin()).sum();
+        (made - f(x)).abs() <= 1e-5 * size
+    });
+    (size > 0.0 && same).then_some(out)
 }
 
 /// The effect in the terms of a format, if it is nothing else, whatever the size of the motion.

@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::format::Format;
-use crate::part::{Falling, Part, Sum};
+use crate::part::{Falling, Part, Presliding, Sum, Wave};
 use friction::effects::Effect;
-use friction::{Coulomb, Dimension, Law};
+use friction::{Coulomb, Dahl, Dimension, Law, LuGre};
 use identify::{Model, Nuisances};
 use signals::{Geometry, Recording, rms};
 
@@ -29,7 +29,30 @@ pub struct Joint {
     pub per_load: f64,
     /// Dry friction that falls with the speed.
     pub falling: Falling,
+    /// Bristles that bend before the contact slides; a stiffness of 0 is none.
+    pub bristle: Bristle,
+    /// Bristles of the friction that falls with the speed, where `bristle` does not carry it.
+    pub fall: Bristle,
 }
+
+/// The spring and damper of a contact that does not slide yet.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Bristle {
+    /// Friction that they carry, N or N·m; the rest of `friction` turns round at once.
+    pub level: f64,
+    /// σ₀, N/m or N·m/rad.
+    pub stiffness: f64,
+    /// σ₁, N·s/m or N·m·s/rad.
+    pub damping: f64,
+    /// What they carry beside `level`.
+    pub falling: Falling,
+}
+
+/// Frequency of a body on bristles that stand for a contact without presliding, rad/s. Stiffer ones bend less and ask for shorter
+/// time steps.
+const STIFF: f64 = 1_000.0;
+/// Share of a falling friction that stays at high speed: LuGre's law has none without.
+const REST: f64 = 1e-3;
 
 /// One thing that the format cannot hold.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +74,8 @@ pub struct Exported {
     pub by_speed: Vec<Effect<f64>>,
     /// Effects that it holds as a table over the position.
     pub by_place: Vec<Effect<f64>>,
+    /// Waves over the position that it holds.
+    pub waves: Vec<Wave>,
     /// What it does not hold.
     pub dropped: Vec<Dropped>,
     /// Error of the force on the recording, unfiltered root mean square: of the model, and of the joint.
@@ -98,11 +123,16 @@ impl<'a> Reduction<'a> {
     /// Replaces the model by a simpler one, and notes what that loses.
     fn simplify(&mut self, what: String, simpler: Model) -> Result<(), Error> {
         let predicted = self.recording.map(|r| simpler.predict(r)).transpose()?;
+        self.replace(what, simpler, predicted);
+        Ok(())
+    }
+
+    /// As [`Self::simplify`], by a model and what the joint predicts on the recording.
+    fn replace(&mut self, what: String, simpler: Model, predicted: Option<Vec<f64>>) {
         let lost =
             predicted.as_ref().zip(self.predicted.as_ref()).map(|(after, before)| difference(after, before));
         self.dropped.push(Dropped { what, rms: lost });
         (self.model, self.predicted) = (simpler, predicted);
-        Ok(())
     }
 
     /// Error of the force on the recording.
@@ -142,7 +172,13 @@ pub(crate) fn reduce(
         let simpler = Model { curves: Vec::new(), ..reduction.model.clone() };
         reduction.simplify(what, simpler)?;
     }
-    let law = law(&mut reduction, format)?;
+    let (law, bristle) = law(&mut reduction, format)?;
+    if format.has_bristles() {
+        joint.bristle = bent(&mut reduction, &held, &law, bristle)?;
+        if let Some(falls) = held.falls {
+            joint.fall = fall(&mut reduction, held.falling, &falls)?;
+        }
+    }
     // half the difference of the directions is a constant
     let constant = held.sum.constant + 0.5 * (law.level_p - law.level_n);
     joint.friction = 0.5 * (law.level_p + law.level_n) + held.sum.friction;
@@ -169,6 +205,7 @@ pub(crate) fn reduce(
         joint,
         by_speed: held.by_speed,
         by_place: held.by_place,
+        waves: held.waves,
         error: of_model.zip(reduction.error()),
         dropped: reduction.dropped,
         geometry: model.geometry,
@@ -180,8 +217,13 @@ pub(crate) fn reduce(
 struct Held {
     sum: Sum,
     falling: Falling,
+    /// The effect that falls.
+    falls: Option<Effect<f64>>,
+    /// The effect of bristles, and what it is.
+    bends: Option<(Effect<f64>, Presliding)>,
     by_speed: Vec<Effect<f64>>,
     by_place: Vec<Effect<f64>>,
+    waves: Vec<Wave>,
 }
 
 /// What the format holds of the effects, as a sum, over the speed, and over the position; drops the others.
@@ -208,7 +250,13 @@ fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> R
         let about = effect.kind.about();
         match part {
             Some(Part::Sum(sum)) if sum.constant == 0.0 || has_constant => held.sum = held.sum.plus(sum),
-            Some(Part::Falling(falling)) if held.falling.force == 0.0 => held.falling = falling,
+            Some(Part::Falling(falling)) if held.falling.force == 0.0 => {
+                (held.falling, held.falls) = (falling, Some(effect));
+            }
+            Some(Part::Presliding(bristles)) if held.bends.is_none() && !has_bristles(&reduction.model) => {
+                held.bends = Some((effect, bristles));
+            }
+            Some(Part::Waves(waves)) => held.waves.extend(waves.iter().filter(|w| w.amplitude > 0.0)),
             Some(Part::Speed) => held.by_speed.push(effect),
             Some(Part::Place) if has_stroke => held.by_place.push(effect),
             other => {
@@ -224,6 +272,11 @@ fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> R
         }
     }
     Ok(held)
+}
+
+/// Whether the law has bristles.
+fn has_bristles(model: &Model) -> bool {
+    matches!(model.law, Law::Dahl(_) | Law::LuGre(_))
 }
 
 /// The effect with the mean of those gains that belong to one direction each.
@@ -260,7 +313,12 @@ fn instruments(reduction: &mut Reduction<'_>) -> Result<(), Error> {
 }
 
 /// The law of a joint: one level, one damping, and nothing more at rest, or what the format holds of that.
-fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<Coulomb<f64>, Error> {
+fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<(Coulomb<f64>, Option<Bristle>), Error> {
+    if format.has_bristles()
+        && let Some(held) = bristles(reduction)?
+    {
+        return Ok(held);
+    }
     let unit = Dimension::FORCE.unit(reduction.model.geometry);
     let (full, presliding) = match reduction.model.law {
         Law::Coulomb(c) => (c, None),
@@ -349,5 +407,126 @@ fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<Coulomb<f64>, Er
         let simpler = with(reduction, even);
         reduction.simplify(what, simpler)?;
     }
-    Ok(even)
+    Ok((even, None))
+}
+
+/// A law of bristles as LuGre's with one level.
+fn bristles(reduction: &mut Reduction<'_>) -> Result<Option<(Coulomb<f64>, Option<Bristle>)>, Error> {
+    let even = |level: f64, viscous: f64| Coulomb {
+        level_p: level,
+        level_n: level,
+        static_p: level,
+        static_n: level,
+        viscous_p: viscous,
+        viscous_n: viscous,
+    };
+    Ok(match reduction.model.law {
+        Law::Coulomb(_) | Law::Karnopp(_) => None,
+        Law::LuGre(l) => {
+            let falling = Falling {
+                force: (l.stiction - l.coulomb).max(0.0),
+                speed: l.stribeck_velocity,
+                exponent: 2.0,
+            };
+            let bristle = Bristle { level: l.coulomb, stiffness: l.sigma_0, damping: l.sigma_1, falling };
+            Some((even(l.coulomb, l.sigma_2), Some(bristle)))
+        }
+        Law::Dahl(d) => {
+            let with =
+                |reduction: &Reduction<'_>, law| Model { law: Law::Dahl(law), ..reduction.model.clone() };
+            let level = 0.5 * (d.limit_p + d.limit_n);
+            let mean = friction::Dahl { limit_p: level, limit_n: level, ..d };
+            if mean != d {
+                let unit = Dimension::FORCE.unit(reduction.model.geometry);
+                let what = format!(
+                    "direction: friction {:.4} and {:.4} {unit}; held is the mean {level:.4}",
+                    d.limit_p, d.limit_n
+                );
+                let simpler = with(reduction, mean);
+                reduction.simplify(what, simpler)?;
+            }
+            if mean.exponent != 1.0 {
+                let what = format!("presliding: exponent {}; held is 1", mean.exponent);
+                let simpler = with(reduction, friction::Dahl { exponent: 1.0, ..mean });
+                reduction.simplify(what, simpler)?;
+            }
+            Some((even(level, d.viscous), Some(Bristle { level, stiffness: d.sigma, ..Bristle::default() })))
+        }
+    })
+}
+
+/// The bristles of law or effect. More of them than there is friction are held as friction on bristles alone.
+fn bent(
+    reduction: &mut Reduction<'_>,
+    held: &Held,
+    law: &Coulomb<f64>,
+    bristle: Option<Bristle>,
+) -> Result<Bristle, Error> {
+    let Some((effect, b)) = held.bends else { return Ok(bristle.unwrap_or_default()) };
+    let of_effect = |level: f64| Bristle { level, stiffness: level / b.distance, ..Bristle::default() };
+    let level = law.level_p;
+    if b.force > level {
+        let unit = Dimension::FORCE.unit(reduction.model.geometry);
+        let dahl = Dahl {
+            limit_p: level,
+            limit_n: level,
+            sigma: level / b.distance,
+            exponent: 1.0,
+            viscous: law.viscous_p,
+        };
+        let mut simpler = Model { law: Law::Dahl(dahl), ..reduction.model.clone() };
+        simpler.effects.retain(|e| e.kind != effect.kind);
+        let id = effect.kind.about().id;
+        reduction
+            .simplify(format!("{id} of {:.4} {unit}: held is the friction, {level:.4}", b.force), simpler)?;
+    }
+    Ok(of_effect(b.force.min(level)))
+}
+
+/// Friction that falls with the speed, on stiff bristles of its own: beside friction that turns round at once it turns round over a
+/// distance.
+fn fall(reduction: &mut Reduction<'_>, falling: Falling, effect: &Effect<f64>) -> Result<Bristle, Error> {
+    let bristle = Bristle {
+        level: REST * falling.force,
+        stiffness: reduction.model.mass * STIFF * STIFF,
+        damping: 0.0,
+        falling: Falling { force: (1.0 - REST) * falling.force, ..falling },
+    };
+    let exponent = if falling.exponent == 2.0 {
+        String::new()
+    } else {
+        format!(", and the exponent is 2 instead of {}", falling.exponent)
+    };
+    let unit = Dimension::STIFFNESS.unit(reduction.model.geometry);
+    let what = format!(
+        "reversal of {}: bristles of {:.4e} {unit} bend first{exponent}",
+        effect.kind.about().id,
+        bristle.stiffness
+    );
+    // the force of these bristles alone, of a body without a mass
+    let lugre = LuGre {
+        sigma_0: bristle.stiffness,
+        sigma_1: 0.0,
+        sigma_2: 0.0,
+        coulomb: bristle.level,
+        stiction: falling.force,
+        stribeck_velocity: falling.speed,
+    };
+    let alone = Model {
+        law: Law::LuGre(lugre),
+        mass: f64::MIN_POSITIVE,
+        effects: Vec::new(),
+        ..reduction.model.clone()
+    };
+    let mut rest = reduction.model.clone();
+    rest.effects.retain(|e| e.kind != effect.kind);
+    let predicted = reduction
+        .recording
+        .map(|r| {
+            let (rest, alone) = (rest.predict(r)?, alone.predict(r)?);
+            Ok::<_, Error>(rest.iter().zip(&alone).map(|(a, b)| a + b).collect::<Vec<f64>>())
+        })
+        .transpose()?;
+    reduction.replace(what, rest, predicted);
+    Ok(bristle)
 }

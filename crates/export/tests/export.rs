@@ -65,7 +65,7 @@ fn everything_else_is_named_with_its_force() {
     let text = "[preset]\nlaw = \"dahl\"\nmass = 0.4\nf_dynamic_p = 1.7\nf_dynamic_n = 1.3\ndamping = 2.0\nsigma = 30000\n\
                 stribeck.force_p = 0.5\nstribeck.force_n = 0.5\nstribeck.v_s = 0.02\nstribeck.delta = 1.0\n\
                 [model]\noffset = 0.1\n";
-    let found = of(text, Format::Mujoco, Some(&recording()));
+    let found = of(text, Format::Urdf, Some(&recording()));
     let joint = found.joint;
     assert_eq!((joint.friction, joint.damping), (1.5, 2.0));
     let rms = |begins: &str| {
@@ -83,6 +83,77 @@ fn everything_else_is_named_with_its_force() {
     }
     let none = of(text, Format::Mujoco, None);
     assert!(none.dropped.iter().all(|d| d.rms.is_none()) && none.error.is_none());
+}
+
+/// Numbers of an attribute of an XML text, of each element that has it.
+fn attributes(text: &str, name: &str) -> Vec<Vec<f64>> {
+    let begins = format!(" {name}=\"");
+    let values = text.split(&begins).skip(1).filter_map(|after| after.split('"').next());
+    values.map(|v| v.split(' ').map(|number| number.parse().expect("a number")).collect()).collect()
+}
+
+#[test]
+fn mjcf_holds_bristles_and_waves() {
+    let waves = "cogging.sine_1 = 0.15\ncogging.cosine_2 = 0.04\ncogging.wavelength = 0.02\n";
+    let stribeck = |delta: f64| {
+        format!(
+            "stribeck.force_p = 0.5\nstribeck.force_n = 0.5\nstribeck.v_s = 0.02\nstribeck.delta = {delta}\n"
+        )
+    };
+    let dahl = "law = \"dahl\"\nmass = 0.4\nf_dynamic = 1.5\ndamping = 2.0\nsigma = 30000\n";
+    let found = of(&format!("{dahl}{}{waves}", stribeck(2.0)), Format::Mujoco, Some(&recording()));
+    println!("{}", found.text);
+    let lugre = attributes(&found.text, "lugre");
+    // one time step of the stiffness damps the bristles
+    let step = attributes(&found.text, "timestep")[0][0];
+    assert_eq!(lugre[0], [30_000.0, 30_000.0 * step, 1.5, 1.5, 1.0]);
+    // the fall is on bristles of 1000 rad/s
+    let wanted = [0.4e6, 0.4e6 * step, 0.0005, 0.5, 0.02];
+    assert!(lugre[1].iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9 * b), "{lugre:?}");
+    assert!((step * f64::sqrt((30_000.0 + 0.4e6) / 0.4) - 0.06).abs() < 1e-9);
+    assert!(!found.text.contains("frictionloss"), "friction twice");
+    let mut cogging = attributes(&found.text, "cogging");
+    cogging.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    let pi = std::f64::consts::PI;
+    let wanted = [[0.15, 100.0 * pi, pi], [0.04, 200.0 * pi, 1.5 * pi]];
+    for (found, wanted) in cogging.iter().zip(wanted) {
+        assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6 * b), "{found:?}, not {wanted:?}");
+    }
+    assert_eq!(cogging.len(), 2);
+    // what is left: the reversal of the fall, and its exponent
+    for (delta, ends) in [(2.0, "bend first"), (1.0, "the exponent is 2 instead of 1")] {
+        let text = format!("{dahl}{}", stribeck(delta));
+        let held = of(&text, Format::Mujoco, Some(&recording()));
+        let [reversal] = &held.dropped[..] else { panic!("{:?}", held.dropped) };
+        assert!(
+            reversal.what.starts_with("reversal of stribeck") && reversal.what.ends_with(ends),
+            "{reversal:?}"
+        );
+        let whole = of(&text, Format::Urdf, Some(&recording()));
+        let whole = whole.dropped.iter().find(|d| d.what.starts_with("stribeck")).and_then(|d| d.rms);
+        let (lost, whole) = (reversal.rms.expect("a recording"), whole.expect("a recording"));
+        println!("fall of exponent {delta}: {lost:.4} N are lost, {whole:.4} N without it");
+        assert!(lost > 0.0 && lost < 0.6 * whole);
+    }
+    // bristles beside a law without: they carry what they turn round, the rest turns at once
+    let beside =
+        format!("{PLAIN}presliding.force_p = 1.1\npresliding.force_n = 1.1\npresliding.x_s = 4e-5\n");
+    let found = of(&beside, Format::Mujoco, Some(&recording()));
+    assert!(found.dropped.is_empty(), "{:?}", found.dropped);
+    let lugre = attributes(&found.text, "lugre");
+    assert!((lugre[0][0] / (1.1 / 4e-5) - 1.0).abs() < 1e-6 && (lugre[0][2] - 1.1).abs() < 1e-8, "{lugre:?}");
+    assert!((attributes(&found.text, "frictionloss")[0][0] - 0.4).abs() < 1e-8, "{}", found.text);
+    // a weight on an arm is a wave of one period a turn
+    let arm = format!(
+        "[preset]\n{PLAIN}gravity.sine = 0.9\ngravity.cosine = 0.2\n[model]\ngeometry = \"rotary\"\n"
+    );
+    let [wave] = &attributes(&of(&arm, Format::Mujoco, None).text, "cogging")[..] else { panic!("one wave") };
+    assert!((wave[0] - 0.9_f64.hypot(0.2)).abs() < 1e-8 && (wave[1] - 1.0).abs() < 1e-8, "{wave:?}");
+    // a law of bristles that falls holds its own fall
+    let lugre = "law = \"lugre\"\nmass = 0.4\nf_dynamic = 1.5\nf_static = 1.9\ndamping = 2.0\nsigma = 30000\nsigma_1 = 10\nstribeck_velocity = 0.01\n";
+    let found = of(lugre, Format::Mujoco, Some(&recording()));
+    assert!(found.dropped.is_empty(), "{:?}", found.dropped);
+    assert_eq!(attributes(&found.text, "lugre")[0], [30_000.0, 10.0, 1.5, 1.9, 0.01]);
 }
 
 #[test]
@@ -250,10 +321,21 @@ fn every_effect_is_held_or_named() {
         let mut model = Model::from_toml("model.toml", PLAIN).expect("a model");
         model.set_effect(effect);
         let found = export(&model, Format::Mujoco, None).expect("exported");
-        let held = found.joint.stiffness > 0.0 || found.joint.friction != 1.5 || found.joint.damping != 2.0;
+        let j = found.joint;
+        let held = j.stiffness > 0.0
+            || j.friction != 1.5
+            || j.damping != 2.0
+            || j.falling.force > 0.0
+            || j.bristle.stiffness > 0.0
+            || j.fall.stiffness > 0.0
+            || !found.waves.is_empty();
         println!("{}: {}", kind.id(), if held { "held" } else { "named" });
-        // of all effects only the spring is a spring
-        assert_eq!(held, kind.id() == "spring", "{}", kind.id());
+        assert_eq!(
+            held,
+            ["spring", "stribeck", "presliding", "cogging", "gravity"].contains(&kind.id()),
+            "{}",
+            kind.id()
+        );
         assert_ne!(held, found.dropped.iter().any(|d| d.what.starts_with(kind.id())), "{}", kind.id());
     }
 }

@@ -10,14 +10,16 @@ use std::path::PathBuf;
 /// Format of a simulator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// MJCF of MuJoCo: damping, friction loss, a linear spring
+    /// MJCF of MuJoCo: damping, friction loss, a linear spring; presliding, friction that falls with the speed, cogging and gravity by
+    /// a `dcmotor` without input (MuJoCo 4)
     Mujoco,
     /// URDF: damping, friction, limits as recorded
     Urdf,
     /// Modelica, of components of its standard library 4: break-away, tables over the speed and over the recorded stroke, a spring,
     /// a constant force
     Modelica,
-    /// JSON of BAM: friction of an axis that falls with the speed and grows with the torque (M1 to M4)
+    /// JSON of BAM: friction of an axis that falls with the speed and grows with the torque (M1 to M4). M5 and M6 are
+    /// never written: they tell friction in front of the gears from friction behind them, which one torque cannot
     Bam,
 }
 
