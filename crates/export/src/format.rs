@@ -3,7 +3,8 @@
 /// Format of a simulator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// MJCF of MuJoCo: damping, friction loss, a linear spring; bristles and waves over the position by a `dcmotor` without input.
+    /// MJCF of MuJoCo: damping, friction loss, a linear spring; bristles and waves over the position by a `dcmotor` without
+    /// input.
     Mujoco,
     /// URDF: damping, friction, limits of a slide.
     Urdf,

@@ -10,9 +10,9 @@
 //! bam      the joint as parameters of BAM
 //! ```
 //!
-//! A format holds a sum of few terms: friction of one level, one damping, in MJCF also a linear spring, bristles and waves over the position, in Modelica also tables over
-//! the speed and over the position, in BAM also friction that falls with the speed. A model is reduced to them
-//! step by step. Every step says what it drops, and how much force that is on a recording.
+//! A format holds a sum of few terms: friction of one level, one damping, in MJCF also a linear spring, bristles and waves over
+//! the position, in Modelica also tables over the speed and over the position, in BAM also friction that falls with the speed.
+//! A model is reduced to them step by step. Every step says what it drops, and how much force that is on a recording.
 #![forbid(unsafe_code)]
 
 mod bam;

@@ -76,6 +76,6 @@ fn motors(name: &str, exported: &Exported, step: f64) -> String {
     if out.is_empty() {
         out
     } else {
-        format!("  <!-- MuJoCo 4 or later -->\n  <actuator>\n{out}  </actuator>\n")
+        format!("  <!-- MuJoCo 3.12 or later -->\n  <actuator>\n{out}  </actuator>\n")
     }
 }

@@ -237,9 +237,9 @@ fn presliding(effect: &Effect<f64>) -> Option<Presliding> {
 
 /// The effect as waves over the position, if it is nothing else.
 ///
-/// A sum of two waves fulfils f(x+2h) + f(x−2h) + a·(f(x+h) + f(x−h)) + b·f(x) = 0 at every x, and a and b give both wave numbers
-///. Steps h longer than half a wave give wrong ones, short steps inaccurate ones: from the longest on, the first is
-/// taken whose waves are the effect.
+/// A sum of two waves fulfils f(x+2h) + f(x−2h) + a·(f(x+h) + f(x−h)) + b·f(x) = 0 at every x, and a and b give both wave
+/// numbers (Prony's method). Steps h longer than half a wave give wrong ones, short steps inaccurate ones: from the longest on,
+/// the first is taken whose waves are the effect.
 fn waves(effect: &Effect<f64>) -> Option<[Wave; WAVES]> {
     if !depends_on(effect, |m| Motion { position: m.position, ..Motion::default() }) {
         return None;

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
     /// MJCF of MuJoCo: damping, friction loss, a linear spring; presliding, friction that falls with the speed, cogging and gravity by
-    /// a `dcmotor` without input (MuJoCo 4)
+    /// a `dcmotor` without input (MuJoCo 3.12)
     Mujoco,
     /// URDF: damping, friction, limits as recorded
     Urdf,
