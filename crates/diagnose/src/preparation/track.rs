@@ -20,8 +20,8 @@ use signals::{
 /// velocity that a drive measures is late and held where pulses are rare, and no filter takes that out.
 const DERIVED: f64 = 0.25;
 
-/// Samples that a straight line is laid through at least.
-const LINE: usize = 4;
+/// Samples that the speed of a body that gets going is followed for at least.
+const CURVE: usize = 4;
 
 /// What is known of the moments at which the direction of sliding is not.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -223,15 +223,16 @@ impl Track {
         }
     }
 
-    /// Sample at which a body got going that was held meanwhile: where the straight line of its speed, until this is well above the
-    /// guard and for a cycle of the filter at most, was zero. None of a body that passed, in twice the time of its way out.
+    /// Sample at which a body got going that was held meanwhile: where the curve of its speed begins that fits best until this is well
+    /// above the guard, for a cycle of the filter at most. None of a body that passed, in twice the time of its way out.
     fn begins(&self, slow: std::ops::Range<usize>, guard: f64) -> Option<usize> {
-        let from = slow.end;
         let cycle = samples(1.0, self.filter.cutoff(), self.raw.dt);
-        let gone = self.v[from..].iter().take(cycle).position(|v| v.abs() >= 4.0 * guard);
-        let line = self.v.get(from..from + gone.unwrap_or(cycle).max(LINE))?;
-        let back = zero_before(line)?;
-        (slow.len() > 3 * back.max(1)).then(|| from.saturating_sub(back))
+        let gone = self.v[slow.end..].iter().take(cycle).position(|v| v.abs() >= 4.0 * guard);
+        let to = slow.end + gone.unwrap_or(cycle).max(CURVE);
+        // what is left of coming to rest is not looked at
+        let from = slow.end - cycle.min(slow.len() / 2);
+        let begun = from + get_going(self.v.get(from..to)?)?;
+        (slow.len() > 3 * (slow.end - begun.min(slow.end)).max(1)).then_some(begun)
     }
 
     fn measure_reversals(&mut self) {
@@ -337,14 +338,31 @@ pub fn stride(dt: f64, cutoff: f64) -> usize {
     ((1.0 / dt) / (2.5 * cutoff)).round().max(1.0) as usize
 }
 
-/// Sample, counted from the first and rounded, at which the straight line through `series` was zero; none where that is later
-/// than the first. At least [`LINE`] samples.
-fn zero_before(series: &[f64]) -> Option<usize> {
-    let n = series.len() as f64;
-    let (mean, middle) = (series.iter().sum::<f64>() / n, 0.5 * (n - 1.0));
-    let moment: f64 = series.iter().enumerate().map(|(k, x)| (k as f64 - middle) * x).sum();
-    let back = mean * n * (n * n - 1.0) / 12.0 / moment - middle;
-    (back.is_finite() && back >= 0.0).then(|| back.round() as usize)
+/// Sample from which a speed grows that was zero before, as a·τ + c·τ² with a and c of one sign: the moment of the least squares. None
+/// where that is the first or the last.
+fn get_going(speed: &[f64]) -> Option<usize> {
+    // a quarter of a sample, coarser where the filter is slow beside the rate
+    const FINEST: f64 = 0.25;
+    const MOST: f64 = 200.0;
+    let explained = |moment: f64| {
+        let [mut tt, mut ttt, mut tttt, mut tv, mut ttv] = [0.0; 5];
+        for (k, v) in speed.iter().enumerate().skip(moment.ceil() as usize) {
+            let t = k as f64 - moment;
+            (tt, ttt, tttt) = (tt + t * t, ttt + t * t * t, tttt + t * t * t * t);
+            (tv, ttv) = (tv + t * v, ttv + t * t * v);
+        }
+        let one = (tv * tv / tt).max(ttv * ttv / tttt);
+        let room = tt * tttt - ttt * ttt;
+        let (a, c) = ((tv * tttt - ttv * ttt) / room, (ttv * tt - tv * ttt) / room);
+        if a * c > 0.0 { a * tv + c * ttv } else { one }
+    };
+    let last = speed.len().checked_sub(CURVE)? as f64;
+    let step = FINEST.max(last / MOST);
+    let best = (0..=(last / step) as usize).map(|k| step * k as f64).fold((0.0, 0.0), |best, moment| {
+        let of = explained(moment);
+        if of > best.1 { (moment, of) } else { best }
+    });
+    (best.0 > 0.0 && best.0 + step <= last).then(|| best.0.round() as usize)
 }
 
 /// Mean over `half` samples to either side, fewer at the ends.
@@ -386,8 +404,8 @@ mod tests {
         let (mut position, mut force, mut x) = (Vec::new(), Vec::new(), 0.0);
         for i in 0..6_200_u32 {
             let t = f64::from(i) * DT;
-            x += DT * speed(t + 0.5 * DT);
             position.push(((x + noise(1e-6)) / 2.5e-6).round() * 2.5e-6);
+            x += DT * speed(t + 0.5 * DT);
             let (v, a) = (speed(t), (speed(t + 0.5 * DT) - speed(t - 0.5 * DT)) / DT);
             force.push(0.4 * a + v.signum() + noise(0.05));
         }
