@@ -259,7 +259,8 @@ fn waves_of_step(effect: &Effect<f64>, h: f64) -> Option<[Wave; WAVES]> {
     // one wave: f(x+h) + f(x−h) = 2·cos(k·h)·f(x)
     let near = DVector::from_iterator(ROWS, places.iter().map(|x| f(x + h) + f(x - h)));
     let here = DVector::from_iterator(ROWS, places.iter().map(|x| f(*x)));
-    let one = least(DMatrix::from_columns(&[here.clone()]), near.clone(), 1e-9).map(|c| vec![0.5 * c[0]]);
+    let one = least(DMatrix::from_columns(std::slice::from_ref(&here)), near.clone(), 1e-9)
+        .map(|c| vec![0.5 * c[0]]);
     let cosines = one.or_else(|| {
         let far = DVector::from_iterator(ROWS, places.iter().map(|x| f(x + 2.0 * h) + f(x - 2.0 * h)));
         let c = least(DMatrix::from_columns(&[near, here]), -far, 1e-9)?;

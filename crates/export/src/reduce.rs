@@ -312,8 +312,11 @@ fn instruments(reduction: &mut Reduction<'_>) -> Result<(), Error> {
     reduction.simplify(format!("sensors and drive: {}", names.join(", ")), simpler)
 }
 
+/// What sliding takes, and the bristles of a law that has them.
+type OfLaw = (Coulomb<f64>, Option<Bristle>);
+
 /// The law of a joint: one level, one damping, and nothing more at rest, or what the format holds of that.
-fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<(Coulomb<f64>, Option<Bristle>), Error> {
+fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<OfLaw, Error> {
     if format.has_bristles()
         && let Some(held) = bristles(reduction)?
     {
@@ -411,7 +414,7 @@ fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<(Coulomb<f64>, O
 }
 
 /// A law of bristles as LuGre's with one level.
-fn bristles(reduction: &mut Reduction<'_>) -> Result<Option<(Coulomb<f64>, Option<Bristle>)>, Error> {
+fn bristles(reduction: &mut Reduction<'_>) -> Result<Option<OfLaw>, Error> {
     let even = |level: f64, viscous: f64| Coulomb {
         level_p: level,
         level_n: level,
