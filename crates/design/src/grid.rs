@@ -312,13 +312,14 @@ mod tests {
             let (without, with) = (tally(&off, at), tally(&on, at));
             println!("{:17} without {without:?}\n{:17} with    {with:?}", renderer.id(), "");
             assert_eq!(with.accepted, without.accepted);
-            assert!(with.passive >= without.passive);
+            // what is taken changes the motion after it: a coupling in a hundred may then give what it did not
+            assert!(with.passive + with.accepted / 100 >= without.passive);
             match renderer {
                 // its limit cycle is that of the block, within a count of the handle: neither seen nor damped
                 RendererKind::VirtualCoupling => {
                     assert!(with.rests.abs_diff(without.rests) <= with.accepted / 50)
                 }
-                // the noise of the load cell moves its block, and more often with the controller: docs/benchmarks.md
+                // a braked block creeps on where a free one has come to rest: docs/benchmarks.md
                 RendererKind::Admittance => {}
                 _ => assert!(with.rests >= without.rests),
             }

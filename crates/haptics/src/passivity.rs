@@ -6,7 +6,8 @@
 //! The *balance* is what the hand gave and may get back. It never exceeds what coupling and block store (the reference
 //! energy of [ryu-2005]): without that limit a second of sliding would pay for an hour of chatter, because friction takes
 //! energy for ever. A negative balance is energy that nothing stored. Before it leaves with the next force it is taken back
-//! by a damping of just that amount on the handle, within the damping that the sampled device holds.
+//! by a damping of just that amount on the handle, within the damping that the sampled device holds. By admittance the
+//! handle only follows: there the block is braked by that amount instead.
 
 use crate::Config;
 use crate::renderer::{Contact, Handle};
@@ -25,7 +26,7 @@ impl Passivity {
     pub(crate) fn step(
         &mut self,
         config: &Config,
-        contact: &Contact,
+        contact: &mut Contact,
         handle: &Handle,
         held: f32,
         force: f32,
@@ -33,6 +34,13 @@ impl Passivity {
         let balance = self.balance - held * handle.displacement;
         let stored = contact.stored(config, handle);
         self.balance = if balance < stored { balance } else { stored };
+        #[cfg(feature = "admittance")]
+        if config.renderer == crate::RendererKind::Admittance {
+            if self.balance < 0.0 {
+                contact.brake(config, -self.balance);
+            }
+            return force;
+        }
         let v = handle.velocity;
         // what a damping of one would take over the coming period
         let taken = v * v * config.device.period;

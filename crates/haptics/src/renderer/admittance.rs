@@ -11,7 +11,8 @@
 //! and the hand feels M, with what is between its fingers and the load cell.
 //!
 //! Friction is solved with the new velocity (as Coulomb's law, also for Karnopp's levels: no dead band), so a block pushed by
-//! less than its static friction is exactly at rest. Then the noise of the load cell does not reach the handle.
+//! less than its static friction is exactly at rest. Then the noise of the load cell does not reach the handle; a handle that
+//! oscillates between two counts is settled and braked as behind a virtual coupling ([`super::dither`]).
 //!
 //! A hand stronger than the actuator drags the block along: the spring is never stretched beyond the largest force.
 
@@ -19,11 +20,21 @@ use super::block::{Block, limited};
 use super::{Handle, Rendered};
 use crate::Config;
 
+/// Samples after which a block has come to rest.
+const RESTED: u8 = 20;
+/// Share of a new reading in the force that such a block feels: an average over some 20 samples.
+const SMOOTHED: f32 = 0.1;
+
 impl Block {
     /// One period of the equations above.
     pub(super) fn step_admittance(&mut self, config: &Config, handle: &Handle) -> Rendered {
         let limit = config.device.force_max;
-        let (friction, stuck) = self.slide(config, handle.push);
+        // a block that has come to rest is not broken away by the noise of one sample
+        self.rested = if self.velocity == 0.0 { self.rested.saturating_add(1) } else { 0 };
+        let share = if self.rested > RESTED { SMOOTHED } else { 1.0 };
+        self.push += share * (handle.push - self.push);
+        let push = self.push;
+        let (friction, stuck) = self.slide(config, push);
         let before = self.position;
         self.position += self.velocity * config.device.period;
         let lead = self.position - handle.position;
@@ -32,8 +43,11 @@ impl Block {
             self.position = handle.position + most;
         }
         self.displacement = self.position - before;
-        let follow = config.stiffness * (self.position - handle.position)
-            + config.damping * (self.velocity - handle.velocity);
+        let x = self.dither.settle(handle, config.device.metre_per_count, config.count_per_metre);
+        let brake = self.dither.brake(handle, config.edge_damping);
+        let follow = config.stiffness * (self.position - x)
+            + config.damping * (self.velocity - handle.velocity)
+            - brake;
         Rendered {
             force: limited(follow, limit),
             block_position: self.position,

@@ -15,6 +15,12 @@ pub struct Block {
     pub(super) velocity: f32,
     pub(super) displacement: f32,
     pub(super) dither: Dither,
+    /// Force of the hand that the block feels, N.
+    #[cfg(feature = "admittance")]
+    pub(super) push: f32,
+    /// Samples for which it has been at rest.
+    #[cfg(feature = "admittance")]
+    pub(super) rested: u8,
     pub(super) law: LawState<f32>,
     renderer: RendererKind,
     law_kind: Discriminant<Law<f32>>,
@@ -31,6 +37,10 @@ impl Block {
             velocity: handle.velocity,
             displacement: 0.0,
             dither: Dither::default(),
+            #[cfg(feature = "admittance")]
+            push: handle.push,
+            #[cfg(feature = "admittance")]
+            rested: 0,
             law: LawState::default(),
             renderer: config.renderer,
             law_kind: discriminant(&config.law),

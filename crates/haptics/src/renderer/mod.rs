@@ -100,6 +100,19 @@ impl Contact {
         spring * spring * config.half_compliance + 0.5 * (config.mass * velocity * velocity + bristles)
     }
 
+    /// Takes `energy`, J, from the motion of a block, half of its speed at most.
+    #[cfg(feature = "admittance")]
+    pub(crate) fn brake(&mut self, config: &Config, energy: f32) {
+        if let Self::Block(block) = self {
+            let momentum = config.mass * block.velocity;
+            let lost = energy / (momentum * block.velocity);
+            // of a block at rest there is nothing to take
+            if lost > 0.0 {
+                block.velocity -= if lost < 0.5 { lost } else { 0.5 } * block.velocity;
+            }
+        }
+    }
+
     /// One period: the force for the motion of the handle.
     pub fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
         match self {
