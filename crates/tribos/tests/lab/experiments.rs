@@ -1,6 +1,8 @@
 //! The experiments of the lab, run by script through the page; what is kept when device, server or browser die.
 
 use crate::browser::{Lab, Page, chromium};
+#[cfg(unix)]
+use crate::cable::Cable;
 use perception::{Record, Session};
 use serde_json::json;
 use std::path::Path;
@@ -238,78 +240,6 @@ pub fn what_is_finished_survives_the_death_of_server_browser_and_device() {
     start(&mut page);
     answer(&mut page, 4);
     assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 4);
-}
-
-/// A device behind a pseudo-terminal; dropping it is pulling its cable.
-#[cfg(unix)]
-pub struct Cable {
-    pub name: String,
-    pulled: std::sync::Arc<std::sync::atomic::AtomicBool>,
-    /// State of the machine, and force, mN.
-    pub now: std::sync::Arc<(std::sync::atomic::AtomicU8, std::sync::atomic::AtomicI32)>,
-    thread: Option<std::thread::JoinHandle<()>>,
-}
-
-#[cfg(unix)]
-impl Cable {
-    /// A virtual device that knows the middle of its stroke.
-    fn plug() -> Self {
-        let mut device = tribos_firmware::VirtualDevice::new(&Default::default()).expect("a device");
-        device.home().expect("both stops");
-        Self::to(device, |_| {})
-    }
-
-    /// This device; `garble` changes the bytes it sends.
-    pub fn to(
-        mut device: tribos_firmware::VirtualDevice,
-        garble: impl Fn(&mut Vec<u8>) + Send + 'static,
-    ) -> Self {
-        use serialport::{SerialPort, TTYPort};
-        use std::io::{Read, Write};
-        use std::sync::atomic::Ordering;
-        let (mut ours, theirs) = TTYPort::pair().expect("a pseudo-terminal");
-        let name = theirs.name().expect("its name");
-        ours.set_timeout(Duration::from_millis(1)).expect("a time-out");
-        let pulled = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
-        let seen = pulled.clone();
-        let now = std::sync::Arc::<(std::sync::atomic::AtomicU8, std::sync::atomic::AtomicI32)>::default();
-        let told = now.clone();
-        let thread = std::thread::spawn(move || {
-            // ours and theirs live until the cable is pulled
-            let _theirs = theirs;
-            let (mut due, mut out, mut chunk) = (std::time::Instant::now(), Vec::new(), [0; 512]);
-            while !seen.load(Ordering::SeqCst) {
-                if let Ok(count) = ours.read(&mut chunk) {
-                    device.write(&chunk[..count]);
-                }
-                while due <= std::time::Instant::now() {
-                    device.tick();
-                    due += Duration::from_millis(1);
-                }
-                told.0.store(device.mode().code(), Ordering::SeqCst);
-                told.1.store((1e3 * device.outputs().force) as i32, Ordering::SeqCst);
-                let mut sent = Vec::new();
-                device.read(&mut sent);
-                garble(&mut sent);
-                out.append(&mut sent);
-                // a line that is full waits
-                while let Ok(count @ 1..) = ours.write(&out) {
-                    out.drain(..count);
-                }
-            }
-        });
-        Self { name, pulled, now, thread: Some(thread) }
-    }
-}
-
-#[cfg(unix)]
-impl Drop for Cable {
-    fn drop(&mut self) {
-        self.pulled.store(true, std::sync::atomic::Ordering::SeqCst);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
 }
 
 #[cfg(unix)]

@@ -6,6 +6,9 @@ extern crate untested;
 mod access;
 mod analysis;
 mod browser;
+#[cfg(unix)]
+#[path = "../shared/cable.rs"]
+mod cable;
 mod cost;
 mod experiments;
 mod handover;

@@ -1,7 +1,7 @@
 //! A device that does not know the middle of its stroke.
 
 use crate::browser::Lab;
-use crate::experiments::Cable;
+use crate::cable::Cable;
 use haptics::ModeId;
 use plant::RigConfig;
 use serde_json::json;
