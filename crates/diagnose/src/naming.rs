@@ -4,6 +4,7 @@ use crate::findings::floor::{Floor, floor, systematic};
 use crate::findings::validate::{Frozen, Judge};
 use crate::free_form::contradiction::{self, Resolved};
 use crate::free_form::describe::{Described, Gain};
+use crate::free_form::switching::switching;
 use crate::library::applied_force::AppliedForce;
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
@@ -175,8 +176,19 @@ impl Named {
         self.withdraw_a_small_part(options, cutoff);
         if judges.is_empty() {
             self.withdraw_what_costs(options, cutoff);
+            self.describe_what_comes_and_goes(options, cutoff);
         }
         Ok(())
+    }
+
+    /// Describes an error that nothing else explains by what comes and goes.
+    fn describe_what_comes_and_goes(&mut self, options: &Options, cutoff: f64) {
+        if !self.found.atoms.is_empty() || !self.last.free.is_empty() {
+            return;
+        }
+        if let Some(described) = switching(&self.search(options, cutoff), &self.found) {
+            (self.last, self.gains) = (described.beside(&self.found), described.gains);
+        }
     }
 
     /// Withdraws everything where it explains a small part of what the baseline leaves out and several floors remain: where

@@ -281,16 +281,15 @@ impl Run<'_> {
         let before = named.regression.plain.fit.heldout_sum() + hums * rows;
         let after = last.fit.heldout_sum();
         let kin: Vec<&str> = named.kin.iter().map(TermKind::id).collect();
-        let unnamed: Vec<Missing> = last
-            .free
-            .iter()
-            .zip(&named.gains)
-            .enumerate()
-            .map(|(i, (t, gain))| {
-                let kin = if i == 0 { kin.as_slice() } else { &[] };
-                free_form::finding::missing(t, gain, rows, kin, geometry)
-            })
-            .collect();
+        let form = |(i, (t, gain))| {
+            let kin = if i == 0 { kin.as_slice() } else { &[] };
+            free_form::finding::missing(t, gain, rows, kin, geometry)
+        };
+        let switching = free_form::finding::switching(&last.free, &named.gains, rows, geometry);
+        let (unnamed, switched): (Vec<Missing>, Option<Location>) = match switching {
+            Some((missing, between)) => (vec![missing], Some(between)),
+            None => (last.free.iter().zip(&named.gains).enumerate().map(form).collect(), None),
+        };
         let elsewhere = findings::unnamed::elsewhere(&search, &found, left.p, geometry)
             .filter(|_| found.atoms.is_empty() && unnamed.is_empty());
         tell(watch, 0.9, "rivals")?;
@@ -341,7 +340,8 @@ impl Run<'_> {
         let shown = |effects: &[(Missing, Vec<Location>)]| -> Vec<Location> {
             effects.iter().flat_map(|(_, regions)| regions.clone()).collect()
         };
-        let of_fit: Vec<Location> = located.regions.into_iter().take(MOST_REGIONS).collect();
+        // what comes and goes in time shows over whatever the body did then
+        let of_fit: Vec<Location> = switched.into_iter().chain(located.regions).take(MOST_REGIONS).collect();
         let follows = findings::unnamed::where_it_follows(followed);
         let mut hummed: Vec<Location> = Vec::new();
         if let Some(last) = row_times(design).last().filter(|_| !self.hums.is_empty()) {

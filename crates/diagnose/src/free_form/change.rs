@@ -22,7 +22,7 @@ pub struct Changes {
 }
 
 /// What may change, by row: the sum of columns of the baseline, each with its sign.
-fn kinds(design: &DesignMatrix) -> Vec<(Factor, Vec<f64>)> {
+pub fn kinds(design: &DesignMatrix) -> Vec<(Factor, Vec<f64>)> {
     let sum = |of: [(usize, f64); 2]| {
         let mut out = vec![0.0; design.y.len()];
         for (wanted, sign) in of {
@@ -48,34 +48,47 @@ impl Changes {
     /// one did not happen at that moment of another.
     pub fn new(design: &DesignMatrix, basis: &Basis, residual: &[f64]) -> Self {
         let mut out = Self::default();
-        let one = design.tracks.windows(2).all(|t| t[0].raw.recording == t[1].raw.recording);
-        let edges = &design.blocks.edges;
-        if !one || edges.len() < 4 * BLOCKS {
-            return out;
-        }
-        let inner = &edges[BLOCKS..edges.len() - BLOCKS];
-        let times = row_times(design);
-        let start = design.tracks.first().map_or(0.0, |t| t.raw.start);
+        let Some(inner) = inner(design) else { return out };
         for (factor, column) in kinds(design) {
-            let Some(row) = best(&column, basis, residual, inner) else { continue };
-            let at = 0.5 * (times[row - 1] + times[row]) - start;
-            out.candidates.push(Candidate::change(at, factor));
-            let from =
-                |edge: &usize| (0..column.len()).map(|r| if r < *edge { 0.0 } else { column[r] }).collect();
-            out.others.extend(inner.iter().step_by(2).map(from));
+            let Some(row) = best(&column, basis, residual, |row| within(inner, row)) else { continue };
+            out.candidates.push(Candidate::change(moment_of(design, row), factor));
+            out.others.extend(inner.iter().step_by(2).map(|edge| from(&column, *edge)));
         }
         out
     }
 }
 
-/// The first row of the part of `column` that explains most of `residual`, among those inside `edges`.
-fn best(column: &[f64], basis: &Basis, residual: &[f64], edges: &[usize]) -> Option<usize> {
-    let (first, last) = (*edges.first()?, *edges.last()?);
+/// Edges of the blocks between which something may change; none where there are several recordings, or too few blocks.
+pub fn inner(design: &DesignMatrix) -> Option<&[usize]> {
+    let one = design.tracks.windows(2).all(|t| t[0].raw.recording == t[1].raw.recording);
+    let edges = &design.blocks.edges;
+    (one && edges.len() >= 4 * BLOCKS).then(|| &edges[BLOCKS..edges.len() - BLOCKS])
+}
+
+/// Whether a row lies between the first and the last edge.
+pub fn within(edges: &[usize], row: usize) -> bool {
+    edges.first().is_some_and(|first| *first <= row) && edges.last().is_some_and(|last| row <= *last)
+}
+
+/// The moment between a row and the one before, s since the start.
+pub fn moment_of(design: &DesignMatrix, row: usize) -> f64 {
+    let times = row_times(design);
+    let start = design.tracks.first().map_or(0.0, |t| t.raw.start);
+    0.5 * (times[row.max(1) - 1] + times[row]) - start
+}
+
+/// The first row of the part of `column` that explains most of `residual`, among those that are `allowed`.
+pub fn best(
+    column: &[f64],
+    basis: &Basis,
+    residual: &[f64],
+    allowed: impl Fn(usize) -> bool,
+) -> Option<usize> {
     let whole: f64 = column.iter().map(|x| x * x).sum();
     let (mut power, mut moment) = (0.0, 0.0);
     let mut along = vec![0.0; basis.columns().len()];
     let mut found: Option<(f64, usize)> = None;
-    for row in (first.max(1)..column.len()).rev() {
+    for row in (1..column.len()).rev() {
         let x = column[row];
         power += x * x;
         moment += x * residual[row];
@@ -83,7 +96,7 @@ fn best(column: &[f64], basis: &Basis, residual: &[f64], edges: &[usize]) -> Opt
             *a += x * q[row];
         }
         let left = power - along.iter().map(|a| a * a).sum::<f64>();
-        if row <= last && left > OUTSIDE * whole {
+        if allowed(row) && left > OUTSIDE * whole {
             let gain = moment * moment / left;
             if found.is_none_or(|(most, _)| gain > most) {
                 found = Some((gain, row));
@@ -91,6 +104,11 @@ fn best(column: &[f64], basis: &Basis, residual: &[f64], edges: &[usize]) -> Opt
         }
     }
     found.map(|(_, row)| row)
+}
+
+/// The part of `column` from a row on.
+pub fn from(column: &[f64], row: usize) -> Vec<f64> {
+    column.iter().enumerate().map(|(r, x)| if r < row { 0.0 } else { *x }).collect()
 }
 
 /// The moment of a curve that is a change, s since the start.
@@ -113,8 +131,8 @@ mod tests {
             .map(|i| 3.0 * way[i] + 0.5 * wave[i] + if i < 512 { 0.0 } else { 0.1 * way[i] })
             .collect();
         let basis = Basis::of(&[&way[..], &wave[..]]);
-        assert_eq!(best(&way, &basis, &basis.project_out(&y), &[100, 800]), Some(512));
+        assert_eq!(best(&way, &basis, &basis.project_out(&y), |row| within(&[100, 800], row)), Some(512));
         // nothing but the whole is left of it: it cannot have changed
-        assert_eq!(best(&[0.0; 900], &basis, &y, &[100, 800]), None);
+        assert_eq!(best(&[0.0; 900], &basis, &y, |row| within(&[100, 800], row)), None);
     }
 }

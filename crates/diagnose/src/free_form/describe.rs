@@ -121,7 +121,7 @@ impl Described {
     }
 
     /// Gives each form the values of the joint fit.
-    fn settle(&mut self, design: &DesignMatrix, found: &Hypothesis) {
+    pub fn settle(&mut self, design: &DesignMatrix, found: &Hypothesis) {
         let mut from = Hypothesis::columns(design, &found.atoms).len();
         for term in &mut self.terms {
             let own = from..from + term.columns.len();

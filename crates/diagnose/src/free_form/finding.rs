@@ -5,10 +5,14 @@ use crate::free_form::change::moment;
 use crate::free_form::describe::Gain;
 use crate::free_form::formula::looks_like;
 use crate::free_form::term::FreeTerm;
-use crate::result::{FreeCurve, FreeFormFinding, LooksLike, Missing, Quantity};
+use crate::result::{FreeCurve, FreeFormFinding, Location, LooksLike, Missing, Quantity};
 use friction::effects::{Describe, Unnamed};
 use friction::{Coordinate, Dimension, Factor, Geometry};
 use std::collections::BTreeMap;
+
+/// What in a machine usually comes and goes.
+const SWITCHED: &str =
+    "something beside the machine that is switched, or that touches: a fan, a brake, a heater, a hand";
 
 /// Dimension of a coordinate.
 fn dimension(of: Coordinate) -> Dimension {
@@ -131,4 +135,81 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
             kin: kin.iter().map(|k| (*k).to_string()).collect(),
         }),
     }
+}
+
+/// What several changes of one thing say together, with the largest gain of them, and between which moments they are; `rows` are
+/// those behind the squares of the gains. None of other forms.
+pub fn switching(
+    terms: &[FreeTerm],
+    gains: &[Gain],
+    rows: f64,
+    geometry: Geometry,
+) -> Option<(Missing, Location)> {
+    let first = terms.first()?;
+    let whole = |a: Gain, b: &Gain| Gain { before: a.before.max(b.before), after: a.after.min(b.after), ..a };
+    let gain = gains.iter().fold(*gains.first()?, whole);
+    let times = first.form.times;
+    let changes: Vec<(f64, [f64; 2], f64)> = terms
+        .iter()
+        .map(|t| match (moment(&t.form), t.form.values(), t.std.as_slice()) {
+            (Some(at), &[before, after], &[std, _]) if t.form.times == times => {
+                Some((at, [before, after], std * ((after - before) / before).abs()))
+            }
+            _ => None,
+        })
+        .collect::<Option<_>>()?;
+    if changes.len() < 2 {
+        return None;
+    }
+    let mut one = missing(first, &gain, rows, &[], geometry);
+    let finding = one.free_form.as_mut()?;
+    let unit = finding.curve.unit.clone();
+    let seconds = Dimension::TIME.unit(geometry).to_string();
+    let (what, of) = match times {
+        Factor::One => ("a force", "f"),
+        Factor::Direction => ("friction", "sgn(v)*f"),
+        Factor::Velocity => ("a viscous coefficient", "v*f"),
+    };
+    let list: Vec<String> = changes
+        .iter()
+        .map(|(at, [before, after], _)| format!("{:+.3} {unit} at {} s", after - before, short(*at)))
+        .collect();
+    let knots: Vec<f64> = terms.iter().flat_map(|t| t.form.knots.places().to_vec()).collect();
+    let level = |time: f64| -> f64 {
+        changes.iter().map(|(at, [before, after], _)| if time < *at { *before } else { *after }).sum()
+    };
+    finding.looks_like = Some(LooksLike {
+        formula: "sum of gain_i*step(time - t_i)".into(),
+        parameters: (1..)
+            .zip(&changes)
+            .flat_map(|(i, (at, [before, after], std))| {
+                let gain = Quantity { value: after - before, std: *std, unit: unit.clone() };
+                let moment = Quantity { value: *at, std: f64::NAN, unit: seconds.clone() };
+                [(format!("gain_{i}"), gain), (format!("t_{i}"), moment)]
+            })
+            .collect(),
+        runner_up: None,
+        made_by: SWITCHED.into(),
+    });
+    finding.curve.values = knots.iter().map(|t| level(*t)).collect();
+    finding.curve.band = changes.iter().flat_map(|(_, _, std)| [1.96 * std; 2]).collect();
+    finding.curve.knots = knots;
+    let grows = |sign: f64| changes.iter().all(|(_, [before, after], _)| sign * (after - before) > 0.0);
+    let how = if grows(1.0) || grows(-1.0) { "changes step by step" } else { "comes and goes" };
+    let location = Location {
+        coordinate: Coordinate::Time.id().into(),
+        from: changes.first()?.0,
+        to: changes.last()?.0,
+        unit: seconds.clone(),
+        share_of_mismatch: (1.0 - gain.after / gain.before).clamp(0.0, 1.0),
+        p: gain.p,
+    };
+    let missing = Missing {
+        says: format!("{what} that {how}: {}", list.join(", ")),
+        equation: format!("{of}(time)"),
+        experiment: "find out what was switched at those moments, and record its state as a further column"
+            .into(),
+        ..one
+    };
+    Some((missing, location))
 }

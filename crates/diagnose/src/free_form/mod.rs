@@ -9,4 +9,5 @@ pub mod describe;
 pub mod finding;
 pub mod formula;
 pub mod hum;
+pub mod switching;
 pub mod term;
