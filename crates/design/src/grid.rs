@@ -312,8 +312,8 @@ mod tests {
             let (without, with) = (tally(&off, at), tally(&on, at));
             println!("{:17} without {without:?}\n{:17} with    {with:?}", renderer.id(), "");
             assert_eq!(with.accepted, without.accepted);
-            // what is taken changes the motion after it: a coupling in a hundred may then give what it did not
-            assert!(with.passive + with.accepted / 100 >= without.passive);
+            // what is taken changes the motion after it: one or two couplings in a hundred may then give what they did not
+            assert!(with.passive + with.accepted / 50 >= without.passive);
             match renderer {
                 // its limit cycle is that of the block, within a count of the handle: neither seen nor damped
                 RendererKind::VirtualCoupling => {
