@@ -74,9 +74,13 @@ fn changes(search: &Search, found: &Hypothesis, factor: Factor, rows: &[usize]) 
     Some(Described { gains: vec![gain; terms.len()], terms, fit })
 }
 
-/// What comes and goes beside `found`, for an error that nothing else explains. All gains are that of the whole.
+/// What comes and goes beside `found`, for an error that nothing else explains. All gains are that of the whole. None where the
+/// body only advances: its speed changes in steps then, or the place does, and each looks like a moment.
 pub fn switching(search: &Search, found: &Hypothesis) -> Option<Described> {
     let design = search.design;
+    if design.is_one_way() {
+        return None;
+    }
     let mut tried: Vec<Vec<f64>> = Vec::new();
     let mut out: Vec<(Described, Vec<Vec<f64>>)> = Vec::new();
     for (factor, column) in kinds(design) {
