@@ -3,9 +3,10 @@
 
 use crate::findings::locate::row_times;
 use crate::free_form::candidate::Candidate;
+use crate::free_form::term::FreeTerm;
 use crate::library::baseline::{BACKWARD, FORWARD};
 use crate::library::design_matrix::DesignMatrix;
-use friction::{Coordinate, Factor, FreeForm};
+use friction::{Coordinate, Factor};
 use signals::Basis;
 
 /// Blocks that have to be there before a change, and after it.
@@ -49,10 +50,11 @@ impl Changes {
     pub fn new(design: &DesignMatrix, basis: &Basis, residual: &[f64]) -> Self {
         let mut out = Self::default();
         let Some(inner) = inner(design) else { return out };
+        let times = row_times(design);
         for (factor, column) in kinds(design) {
-            let Some(row) = best(&column, basis, residual, |row| within(inner, row)) else { continue };
-            out.candidates.push(Candidate::change(moment_of(design, row), factor));
-            out.others.extend(inner.iter().step_by(2).map(|edge| from(&column, *edge)));
+            let Some(row) = best(&column, basis, residual, inner, |_| true) else { continue };
+            out.candidates.push(Candidate::change(moment_of(design, &times, row), factor));
+            out.others.extend(at_other_moments(&column, inner));
         }
         out
     }
@@ -65,30 +67,26 @@ pub fn inner(design: &DesignMatrix) -> Option<&[usize]> {
     (one && edges.len() >= 4 * BLOCKS).then(|| &edges[BLOCKS..edges.len() - BLOCKS])
 }
 
-/// Whether a row lies between the first and the last edge.
-pub fn within(edges: &[usize], row: usize) -> bool {
-    edges.first().is_some_and(|first| *first <= row) && edges.last().is_some_and(|last| row <= *last)
-}
-
-/// The moment between a row and the one before, s since the start.
-pub fn moment_of(design: &DesignMatrix, row: usize) -> f64 {
-    let times = row_times(design);
+/// The moment between a row and the one before, s since the start; `times` are those of the rows.
+pub fn moment_of(design: &DesignMatrix, times: &[f64], row: usize) -> f64 {
     let start = design.tracks.first().map_or(0.0, |t| t.raw.start);
-    0.5 * (times[row.max(1) - 1] + times[row]) - start
+    0.5 * (times[row - 1] + times[row]) - start
 }
 
-/// The first row of the part of `column` that explains most of `residual`, among those that are `allowed`.
+/// The first row of the part of `column` that explains most of `residual`, among those inside `edges` that are `allowed`.
 pub fn best(
     column: &[f64],
     basis: &Basis,
     residual: &[f64],
+    edges: &[usize],
     allowed: impl Fn(usize) -> bool,
 ) -> Option<usize> {
+    let (first, last) = (*edges.first()?, *edges.last()?);
     let whole: f64 = column.iter().map(|x| x * x).sum();
     let (mut power, mut moment) = (0.0, 0.0);
     let mut along = vec![0.0; basis.columns().len()];
     let mut found: Option<(f64, usize)> = None;
-    for row in (1..column.len()).rev() {
+    for row in (first.max(1)..column.len()).rev() {
         let x = column[row];
         power += x * x;
         moment += x * residual[row];
@@ -96,7 +94,7 @@ pub fn best(
             *a += x * q[row];
         }
         let left = power - along.iter().map(|a| a * a).sum::<f64>();
-        if allowed(row) && left > OUTSIDE * whole {
+        if row <= last && allowed(row) && left > OUTSIDE * whole {
             let gain = moment * moment / left;
             if found.is_none_or(|(most, _)| gain > most) {
                 found = Some((gain, row));
@@ -111,11 +109,38 @@ pub fn from(column: &[f64], row: usize) -> Vec<f64> {
     column.iter().enumerate().map(|(r, x)| if r < row { 0.0 } else { *x }).collect()
 }
 
-/// The moment of a curve that is a change, s since the start.
-pub fn moment(form: &FreeForm<f64>) -> Option<f64> {
-    match (form.over, form.across, form.knots.places()) {
-        (Coordinate::Time, None, [before, after]) => Some(0.5 * (before + after)),
-        _ => None,
+/// The same for every other moment inside: the family of which the best was taken.
+pub fn at_other_moments<'a>(column: &'a [f64], inner: &'a [usize]) -> impl Iterator<Item = Vec<f64>> + 'a {
+    inner.iter().step_by(2).map(|edge| from(column, *edge))
+}
+
+/// What a free form says that is a change.
+#[derive(Debug, Clone, Copy)]
+pub struct Change {
+    /// Moment, s since the start.
+    pub at: f64,
+    pub before: f64,
+    pub after: f64,
+    /// Standard deviation of the size.
+    pub std: f64,
+}
+
+impl Change {
+    /// None of another form.
+    pub fn of(term: &FreeTerm) -> Option<Self> {
+        let form = &term.form;
+        match (form.over, form.across, form.knots.places(), form.values(), term.std.as_slice()) {
+            (Coordinate::Time, None, [low, high], &[before, after], [std, _]) => {
+                let at = 0.5 * (low + high);
+                // both values follow from one coefficient, and so do their deviations
+                Some(Self { at, before, after, std: (std * (after - before) / before).abs() })
+            }
+            _ => None,
+        }
+    }
+
+    pub fn size(&self) -> f64 {
+        self.after - self.before
     }
 }
 
@@ -131,8 +156,8 @@ mod tests {
             .map(|i| 3.0 * way[i] + 0.5 * wave[i] + if i < 512 { 0.0 } else { 0.1 * way[i] })
             .collect();
         let basis = Basis::of(&[&way[..], &wave[..]]);
-        assert_eq!(best(&way, &basis, &basis.project_out(&y), |row| within(&[100, 800], row)), Some(512));
+        assert_eq!(best(&way, &basis, &basis.project_out(&y), &[100, 800], |_| true), Some(512));
         // nothing but the whole is left of it: it cannot have changed
-        assert_eq!(best(&[0.0; 900], &basis, &y, |row| within(&[100, 800], row)), None);
+        assert_eq!(best(&[0.0; 900], &basis, &y, &[100, 800], |_| true), None);
     }
 }

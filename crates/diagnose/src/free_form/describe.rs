@@ -52,11 +52,11 @@ pub struct Gain {
     pub p: f64,
 }
 
-/// Joint fit of a hypothesis and free forms.
-fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm]) -> Option<Fit> {
+/// Joint fit of a hypothesis and free forms, cross-validated over `folds` groups of blocks.
+pub fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm], folds: usize) -> Option<Fit> {
     let own = terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice);
     let columns: Vec<&[f64]> = Hypothesis::columns(design, &found.atoms).into_iter().chain(own).collect();
-    fit(&columns, &design.y, &design.blocks, FOLDS)
+    fit(&columns, &design.y, &design.blocks, folds)
 }
 
 /// Everything that free forms explain beside `found`.
@@ -98,7 +98,7 @@ impl Described {
             terms.push(anew);
             gains.push(*gain);
         }
-        let fit = joint(design, found, &terms)?;
+        let fit = joint(design, found, &terms, FOLDS)?;
         let mut out = Self { terms, fit, gains };
         out.settle(design, found);
         search.physical(&out.beside(found)).then_some(out)

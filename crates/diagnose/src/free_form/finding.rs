@@ -1,7 +1,7 @@
 //! A free form as an entry of what is missing.
 
 use crate::findings::words::short;
-use crate::free_form::change::moment;
+use crate::free_form::change::Change;
 use crate::free_form::describe::Gain;
 use crate::free_form::formula::looks_like;
 use crate::free_form::term::FreeTerm;
@@ -36,11 +36,29 @@ fn words(of: Coordinate) -> String {
     }
 }
 
+/// What a curve with this factor is.
+fn thing(times: Factor) -> &'static str {
+    match times {
+        Factor::One => "a force",
+        Factor::Direction => "friction",
+        Factor::Velocity => "a viscous coefficient",
+    }
+}
+
+/// The factor in an equation.
+fn prefix(times: Factor) -> &'static str {
+    match times {
+        Factor::One => "",
+        Factor::Direction => "sgn(v)*",
+        Factor::Velocity => "v*",
+    }
+}
+
 /// The move that separates a form's coordinate from the others.
 fn experiment(term: &FreeTerm) -> String {
     let axes = [Some(term.form.over), term.form.across.map(|(c, _)| c)];
     let has = |c: Coordinate| axes.contains(&Some(c));
-    if moment(&term.form).is_some() {
+    if Change::of(term).is_some() {
         "find out what happened at that moment, and repeat the move with it and without it"
     } else if has(Coordinate::Time) {
         "repeat the same move: an effect of the time since the start begins again, an effect of the time of day does not"
@@ -74,11 +92,7 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
         Some(c) => format!("{} and {} together", words(form.over), words(c)),
         None => words(form.over),
     };
-    let (what, times) = match form.times {
-        Factor::One => ("a force", ""),
-        Factor::Direction => ("friction", "sgn(v)*"),
-        Factor::Velocity => ("a viscous coefficient", "v*"),
-    };
+    let (what, times) = (thing(form.times), prefix(form.times));
     let formula = looks_like(term);
     let looks_like = formula.map(|f| LooksLike {
         formula: f.formula,
@@ -94,15 +108,13 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
         runner_up: f.runner_up,
         made_by: f.made_by.into(),
     });
-    let says = match (moment(form), form.values()) {
-        (Some(at), [before, after]) => {
-            format!(
-                "{what} that changes by {} {unit}, {} s after the start",
-                short(after - before),
-                short(at)
-            )
-        }
-        _ => format!("{what} over {on}, from {} to {} {unit}", short(low), short(high)),
+    let says = match Change::of(term) {
+        Some(change) => format!(
+            "{what} that changes by {} {unit}, {} s after the start",
+            short(change.size()),
+            short(change.at)
+        ),
+        None => format!("{what} over {on}, from {} to {} {unit}", short(low), short(high)),
     };
     let to_rms = |sum: f64| (sum / rows).sqrt();
     let coordinates: Vec<String> =
@@ -149,64 +161,46 @@ pub fn switching(
     let whole = |a: Gain, b: &Gain| Gain { before: a.before.max(b.before), after: a.after.min(b.after), ..a };
     let gain = gains.iter().fold(*gains.first()?, whole);
     let times = first.form.times;
-    let changes: Vec<(f64, [f64; 2], f64)> = terms
-        .iter()
-        .map(|t| match (moment(&t.form), t.form.values(), t.std.as_slice()) {
-            (Some(at), &[before, after], &[std, _]) if t.form.times == times => {
-                Some((at, [before, after], std * ((after - before) / before).abs()))
-            }
-            _ => None,
-        })
-        .collect::<Option<_>>()?;
-    if changes.len() < 2 {
-        return None;
-    }
+    let one_thing = terms.len() > 1 && terms.iter().all(|t| t.form.times == times);
+    let changes: Vec<Change> = terms.iter().filter(|_| one_thing).map(Change::of).collect::<Option<_>>()?;
+    let (from, to) = (changes.first()?.at, changes.last()?.at);
     let mut one = missing(first, &gain, rows, &[], geometry);
     let finding = one.free_form.as_mut()?;
     let unit = finding.curve.unit.clone();
     let seconds = Dimension::TIME.unit(geometry).to_string();
-    let (what, of) = match times {
-        Factor::One => ("a force", "f"),
-        Factor::Direction => ("friction", "sgn(v)*f"),
-        Factor::Velocity => ("a viscous coefficient", "v*f"),
-    };
-    let list: Vec<String> = changes
-        .iter()
-        .map(|(at, [before, after], _)| format!("{:+.3} {unit} at {} s", after - before, short(*at)))
-        .collect();
+    let list: Vec<String> =
+        changes.iter().map(|c| format!("{:+.3} {unit} at {} s", c.size(), short(c.at))).collect();
     let knots: Vec<f64> = terms.iter().flat_map(|t| t.form.knots.places().to_vec()).collect();
-    let level = |time: f64| -> f64 {
-        changes.iter().map(|(at, [before, after], _)| if time < *at { *before } else { *after }).sum()
-    };
+    let level =
+        |time: &f64| -> f64 { changes.iter().map(|c| if *time < c.at { c.before } else { c.after }).sum() };
     finding.looks_like = Some(LooksLike {
         formula: "sum of gain_i*step(time - t_i)".into(),
         parameters: (1..)
             .zip(&changes)
-            .flat_map(|(i, (at, [before, after], std))| {
-                let gain = Quantity { value: after - before, std: *std, unit: unit.clone() };
-                let moment = Quantity { value: *at, std: f64::NAN, unit: seconds.clone() };
+            .flat_map(|(i, c)| {
+                let gain = Quantity { value: c.size(), std: c.std, unit: unit.clone() };
+                let moment = Quantity { value: c.at, std: f64::NAN, unit: seconds.clone() };
                 [(format!("gain_{i}"), gain), (format!("t_{i}"), moment)]
             })
             .collect(),
         runner_up: None,
         made_by: SWITCHED.into(),
     });
-    finding.curve.values = knots.iter().map(|t| level(*t)).collect();
-    finding.curve.band = changes.iter().flat_map(|(_, _, std)| [1.96 * std; 2]).collect();
+    finding.curve.values = knots.iter().map(level).collect();
+    finding.curve.band = changes.iter().flat_map(|c| [1.96 * c.std; 2]).collect();
     finding.curve.knots = knots;
-    let grows = |sign: f64| changes.iter().all(|(_, [before, after], _)| sign * (after - before) > 0.0);
+    let grows = |sign: f64| changes.iter().all(|c| sign * c.size() > 0.0);
     let how = if grows(1.0) || grows(-1.0) { "changes step by step" } else { "comes and goes" };
     let location = Location {
         coordinate: Coordinate::Time.id().into(),
-        from: changes.first()?.0,
-        to: changes.last()?.0,
+        from,
+        to,
         unit: seconds.clone(),
         share_of_mismatch: (1.0 - gain.after / gain.before).clamp(0.0, 1.0),
         p: gain.p,
     };
     let missing = Missing {
-        says: format!("{what} that {how}: {}", list.join(", ")),
-        equation: format!("{of}(time)"),
+        says: format!("{} that {how}: {}", thing(times), list.join(", ")),
         experiment: "find out what was switched at those moments, and record its state as a further column"
             .into(),
         ..one

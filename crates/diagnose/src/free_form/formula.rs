@@ -1,6 +1,6 @@
 //! A formula for a curve: a sparse search over what machines make, judged by the band of the curve.
 
-use crate::free_form::change::moment;
+use crate::free_form::change::Change;
 use crate::free_form::term::FreeTerm;
 use friction::{Coordinate, Factor};
 use signals::{Basis, dot};
@@ -166,18 +166,16 @@ pub fn looks_like(term: &FreeTerm) -> Option<Formula> {
     if form.across.is_some() {
         return None;
     }
-    let (u, values) = (form.knots.places(), form.values());
-    if let (Some(at), [before, after], [std, _]) = (moment(form), values, term.std.as_slice()) {
-        // both values follow from one coefficient, and so do their deviations
-        let change = after - before;
+    if let Some(change) = Change::of(term) {
         return Some(Formula {
             formula: "step(time - t_0)".into(),
-            gain: (change, (std * change / before).abs()),
-            shape: vec![("t_0".into(), at, true)],
+            gain: (change.size(), change.std),
+            shape: vec![("t_0".into(), change.at, true)],
             runner_up: None,
             made_by: CHANGES,
         });
     }
+    let (u, values) = (form.knots.places(), form.values());
     let size = values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let weight: Vec<f64> = term.std.iter().map(|s| s.max(0.01 * size).recip()).collect();
     let weighted = |of: &dyn Fn(usize) -> f64| (0..u.len()).map(|k| weight[k] * of(k)).collect::<Vec<f64>>();

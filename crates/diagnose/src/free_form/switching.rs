@@ -1,14 +1,14 @@
-//! A force that comes and goes (a fan, a brake, a hand): several changes of one thing, none of which explains much alone. Over
-//! the time a smooth curve cannot follow them, and what repeats too seldom is no hum.
+//! A force that is switched on and off (a fan, a brake, a hand): several changes of one thing, none of which explains much alone.
+//! A smooth curve over time does not follow the steps, and a hum needs ten periods.
 //!
 //! The moments belong to the recording and not to the machine.
 
+use crate::findings::locate::row_times;
 use crate::free_form::candidate::Candidate;
-use crate::free_form::change::{best, from, inner, kinds, moment_of, within};
-use crate::free_form::describe::{Described, Gain};
+use crate::free_form::change::{at_other_moments, best, from, inner, kinds, moment_of};
+use crate::free_form::describe::{Described, Gain, joint};
 use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
-use crate::regression::linear::fit;
 use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::{LEVEL, Search};
 use friction::Factor;
@@ -17,7 +17,8 @@ use std::sync::Arc;
 
 /// Most changes.
 const MOST: usize = 12;
-/// Blocks between two changes at least. Of what lasts as long, something is left beside a block that is held out and its neighbours.
+/// Smallest distance between two changes, in blocks. Cross-validation leaves out three in a row, a block and its guards: the
+/// level between the changes needs a fourth to be fitted to.
 const APART: usize = 4;
 /// Smallest share of what the changes before leave that the next has to explain.
 const NEXT: f64 = 0.03;
@@ -25,18 +26,14 @@ const NEXT: f64 = 0.03;
 /// repeats, what comes and goes is part of it.
 const MATERIAL: f64 = 0.5;
 
-/// Rows from which on what `column` holds is another, each the best beside those before, in order of time.
-fn moments(design: &DesignMatrix, found: &Hypothesis, column: &[f64]) -> Option<Vec<usize>> {
-    let (inner, edges) = (inner(design)?, &design.blocks.edges);
-    let block = |row: usize| edges.partition_point(|e| *e <= row);
-    let mut basis = Basis::of(&found.all_columns(design));
+/// Rows from which on what `column` holds is another, each the best beside `basis` and those before, in order of time.
+fn moments(design: &DesignMatrix, mut basis: Basis, column: &[f64], inner: &[usize]) -> Option<Vec<usize>> {
+    let block = |row: usize| design.blocks.edges.partition_point(|e| *e <= row);
     let mut residual = basis.project_out(&design.y);
     let mut rows: Vec<usize> = Vec::new();
     while rows.len() < MOST {
         let apart = |row: usize| rows.iter().all(|other| block(row).abs_diff(block(*other)) >= APART);
-        let Some(row) = best(column, &basis, &residual, |row| within(inner, row) && apart(row)) else {
-            break;
-        };
+        let Some(row) = best(column, &basis, &residual, inner, apart) else { break };
         if !basis.push(&from(column, row)) {
             break;
         }
@@ -51,27 +48,18 @@ fn moments(design: &DesignMatrix, found: &Hypothesis, column: &[f64]) -> Option<
     (rows.len() > 1).then_some(rows)
 }
 
-/// The changes of one thing as free forms beside `found`.
-fn changes(search: &Search, found: &Hypothesis, factor: Factor, rows: &[usize]) -> Option<Described> {
-    let design = search.design;
-    let mut basis = Basis::of(&found.all_columns(design));
-    let mut terms = Vec::new();
-    for row in rows {
-        let form = Candidate::change(moment_of(design, *row), factor).form(design, 2, 0)?;
+/// The changes of one thing as free forms outside `basis`.
+fn forms(design: &DesignMatrix, mut basis: Basis, factor: Factor, rows: &[usize]) -> Option<Vec<FreeTerm>> {
+    let times = row_times(design);
+    let form = |row: &usize| {
+        let form = Candidate::change(moment_of(design, &times, *row), factor).form(design, 2, 0)?;
         let term = FreeTerm::new(&basis, form, Arc::new(design.free_columns(&form)))?;
         term.columns.iter().for_each(|c| {
             basis.push(c);
         });
-        terms.push(term);
-    }
-    let all = terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice);
-    let columns: Vec<&[f64]> = found.all_columns(design).into_iter().chain(all).collect();
-    // groups of blocks are longer than what comes and goes
-    let single = |columns: &[&[f64]]| fit(columns, &design.y, &design.blocks, design.blocks.len());
-    let (without, fit) = (single(&found.all_columns(design))?, single(&columns)?);
-    let (before, after) = (without.heldout_sum(), fit.heldout_sum());
-    let gain = Gain { before, after, interval: search.gains(&without, &fit), p: 1.0 };
-    Some(Described { gains: vec![gain; terms.len()], terms, fit })
+        Some(term)
+    };
+    rows.iter().map(form).collect()
 }
 
 /// What comes and goes beside `found`, for an error that nothing else explains. All gains are that of the whole. None where the
@@ -81,29 +69,35 @@ pub fn switching(search: &Search, found: &Hypothesis) -> Option<Described> {
     if design.is_one_way() {
         return None;
     }
-    let mut tried: Vec<Vec<f64>> = Vec::new();
-    let mut out: Vec<(Described, Vec<Vec<f64>>)> = Vec::new();
-    for (factor, column) in kinds(design) {
-        tried.extend(inner(design)?.iter().step_by(2).map(|edge| from(&column, *edge)));
-        let Some(rows) = moments(design, found, &column) else { continue };
-        let own = rows.iter().map(|row| from(&column, *row)).collect();
-        out.extend(changes(search, found, factor, &rows).map(|described| (described, own)));
-    }
-    let (mut best, own) =
-        out.into_iter().min_by(|a, b| a.0.fit.heldout_sum().total_cmp(&b.0.fit.heldout_sum()))?;
+    let inner = inner(design)?;
+    let kinds = kinds(design);
     let basis = Basis::of(&found.all_columns(design));
-    let columns = own.iter().map(|c| (true, c)).chain(tried.iter().map(|c| (false, c)));
-    let (is_own, family) =
-        search.family(&basis, &found.fit, &best.fit, columns.map(|(o, c)| (o, c.as_slice())).collect());
+    // groups of blocks are longer than what comes and goes
+    let fit = |terms: &[FreeTerm]| joint(design, found, terms, design.blocks.len());
+    let (fit_with, terms, column, rows) = kinds
+        .iter()
+        .filter_map(|(factor, column)| {
+            let rows = moments(design, basis.clone(), column, inner)?;
+            let terms = forms(design, basis.clone(), *factor, &rows)?;
+            Some((fit(&terms)?, terms, column, rows))
+        })
+        .min_by(|a, b| a.0.heldout_sum().total_cmp(&b.0.heldout_sum()))?;
+    let own: Vec<Vec<f64>> = rows.iter().map(|row| from(column, *row)).collect();
+    let others: Vec<Vec<f64>> =
+        kinds.iter().flat_map(|(_, column)| at_other_moments(column, inner)).collect();
+    let columns =
+        own.iter().map(|c| (true, c.as_slice())).chain(others.iter().map(|c| (false, c.as_slice())));
+    let (is_own, family) = search.family(&basis, &found.fit, &fit_with, columns.collect());
     let p = is_own.into_iter().zip(family.p).filter(|(own, _)| *own).map(|(_, p)| p).fold(1.0, f64::min);
-    best.gains.iter_mut().for_each(|gain| gain.p = p);
-    let gain = *best.gains.first()?;
+    let without = fit(&[])?;
+    let (before, after) = (without.heldout_sum(), fit_with.heldout_sum());
+    let gain = Gain { before, after, interval: search.gains(&without, &fit_with), p };
+    let mut described = Described { gains: vec![gain; terms.len()], terms, fit: fit_with };
     // the interval of the gain is not asked: it says what another recording would gain, and there the moments are others
-    let clear = p <= LEVEL
-        && gain.before - gain.after >= MATERIAL * gain.before
-        && search.physical(&best.beside(found));
+    let clear =
+        p <= LEVEL && before - after >= MATERIAL * before && search.physical(&described.beside(found));
     clear.then(|| {
-        best.settle(design, found);
-        best
+        described.settle(design, found);
+        described
     })
 }
