@@ -12,7 +12,7 @@
 //!
 //! Friction is solved with the new velocity (as Coulomb's law, also for Karnopp's levels: no dead band), so a block pushed by
 //! less than its static friction is exactly at rest. Then the noise of the load cell does not reach the handle; a handle that
-//! oscillates between two counts is settled and braked as behind a virtual coupling ([`super::dither`]).
+//! oscillates between two counts is settled and braked as under the stopping force ([`super::dither`]).
 //!
 //! A hand stronger than the actuator drags the block along: the spring is never stretched beyond the largest force.
 
@@ -33,8 +33,7 @@ impl Block {
         self.rested = if self.velocity == 0.0 { self.rested.saturating_add(1) } else { 0 };
         let share = if self.rested > RESTED { SMOOTHED } else { 1.0 };
         self.push += share * (handle.push - self.push);
-        let push = self.push;
-        let (friction, stuck) = self.slide(config, push);
+        let (friction, stuck) = self.slide(config, self.push);
         let before = self.position;
         self.position += self.velocity * config.device.period;
         let lead = self.position - handle.position;
