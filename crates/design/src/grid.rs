@@ -312,8 +312,9 @@ mod tests {
             let (without, with) = (tally(&off, at), tally(&on, at));
             println!("{:17} without {without:?}\n{:17} with    {with:?}", renderer.id(), "");
             assert_eq!(with.accepted, without.accepted);
-            // what is taken changes the motion after it: one or two couplings in a hundred may then give what they did not
-            assert!(with.passive + with.accepted / 50 >= without.passive);
+            // a braked block goes on otherwise: one or two couplings in a hundred may then give what they did not
+            let otherwise = if *renderer == RendererKind::Admittance { with.accepted / 50 } else { 0 };
+            assert!(with.passive + otherwise >= without.passive);
             match renderer {
                 // its limit cycle is that of the block, within a count of the handle: neither seen nor damped
                 RendererKind::VirtualCoupling => {
