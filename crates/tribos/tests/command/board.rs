@@ -18,17 +18,6 @@ fn commands(book: &str) -> Vec<&str> {
     blocks.filter(|block| block.contains(PORT)).flat_map(str::lines).collect()
 }
 
-/// Words of a command line; quotes hold some together.
-fn words(line: &str) -> Vec<String> {
-    let parts = line.split('"').enumerate();
-    parts
-        .flat_map(|(k, part)| match k % 2 {
-            0 => part.split_whitespace().map(str::to_owned).collect(),
-            _ => vec![part.to_owned()],
-        })
-        .collect()
-}
-
 /// What a person does with block and handle before a command.
 fn by_hand(port: &str, command: &str) {
     let lines: &[&str] = if command.contains("--preset") {
@@ -56,7 +45,7 @@ fn every_command_of_the_first_hour_with_a_board_runs() {
         }
         // a device on a port runs in real time
         let line = line.replace(PORT, &cable.name).replace("--seconds 20", "--seconds 8");
-        let words = words(&line);
+        let words = shlex::split(&line).expect("closed quotes");
         assert_eq!(words[0], "tribos", "{line}");
         let mut command = Command::new(env!("CARGO_BIN_EXE_tribos"));
         let output = command.args(&words[1..]).current_dir(&folder).output().expect("tribos");
