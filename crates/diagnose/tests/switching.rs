@@ -33,6 +33,19 @@ fn a_hand_that_touched_twice_was_no_mismatch() {
     }
 }
 
+#[test]
+fn changes_of_less_than_a_thousandth_were_told_as_zero() {
+    let mut recording = record(&Case { seed: 360, seconds: 16.0, ..Case::default() }).0;
+    for (t, f) in recording.time.iter().zip(&mut recording.force) {
+        let touch = if (4.0..8.0).contains(t) { 0.25 } else { 0.0 };
+        *f = 1e-3 * (*f + touch);
+    }
+    let d = diagnose(&[recording], &[], &Options::default(), &|_, _| ()).expect("accepted");
+    let says = d.missing.first().map_or("", |m| m.says.as_str());
+    println!("{says}");
+    assert!(says.contains("comes and goes: +0.00025") || says.contains("comes and goes: +0.00024"));
+}
+
 /// Said to be no mismatch, at seven times the noise: no single change explains much, and a smooth curve follows none.
 #[test]
 fn a_fan_that_was_switched_on_and_off_was_no_mismatch() {

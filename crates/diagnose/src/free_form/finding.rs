@@ -168,8 +168,13 @@ pub fn switching(
     let finding = one.free_form.as_mut()?;
     let unit = finding.curve.unit.clone();
     let seconds = Dimension::TIME.unit(geometry).to_string();
-    let list: Vec<String> =
-        changes.iter().map(|c| format!("{:+.3} {unit} at {} s", c.size(), short(c.at))).collect();
+    let list: Vec<String> = changes
+        .iter()
+        .map(|c| {
+            let sign = if c.size() > 0.0 { "+" } else { "" };
+            format!("{sign}{} {unit} at {} s", short(c.size()), short(c.at))
+        })
+        .collect();
     let knots: Vec<f64> = terms.iter().flat_map(|t| t.form.knots.places().to_vec()).collect();
     let level =
         |time: &f64| -> f64 { changes.iter().map(|c| if *time < c.at { c.before } else { c.after }).sum() };
