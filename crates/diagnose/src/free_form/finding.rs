@@ -178,15 +178,20 @@ pub fn switching(
     let knots: Vec<f64> = terms.iter().flat_map(|t| t.form.knots.places().to_vec()).collect();
     let level =
         |time: &f64| -> f64 { changes.iter().map(|c| if *time < c.at { c.before } else { c.after }).sum() };
+    let largest = *changes.iter().max_by(|a, b| a.size().abs().total_cmp(&b.size().abs()))?;
+    let gain_of_all = Quantity { value: largest.size().abs(), std: largest.std, unit: unit.clone() };
     finding.looks_like = Some(LooksLike {
-        formula: "sum of gain_i*step(time - t_i)".into(),
+        formula: "sum(share_i*step(time - t_i))".into(),
         parameters: (1..)
             .zip(&changes)
             .flat_map(|(i, c)| {
-                let gain = Quantity { value: c.size(), std: c.std, unit: unit.clone() };
+                let of_largest = |x: f64| x / largest.size().abs();
+                let share =
+                    Quantity { value: of_largest(c.size()), std: of_largest(c.std), unit: String::new() };
                 let moment = Quantity { value: c.at, std: f64::NAN, unit: seconds.clone() };
-                [(format!("gain_{i}"), gain), (format!("t_{i}"), moment)]
+                [(format!("share_{i}"), share), (format!("t_{i}"), moment)]
             })
+            .chain([("gain".to_string(), gain_of_all)])
             .collect(),
         runner_up: None,
         made_by: SWITCHED.into(),
