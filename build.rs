@@ -6,8 +6,6 @@ const BOARDS: [(&str, &str); 2] =
 
 /// Cargo features of sensors that the first board may have.
 const SENSORS: [&str; 3] = ["absolute-encoder", "index-pulse", "load-cell-converter"];
-/// Part of the control path that runs once a command. With both sensors it stays in flash: CCM is full.
-const ONCE_A_COMMAND: &str = "*(.text._ZN7haptics10excitation10Excitation8validate* .text._ZN7haptics10excitation10Excitation7fastest*);";
 
 fn main() {
     println!("cargo:rerun-if-changed=memory.x");
@@ -35,8 +33,6 @@ fn main() {
     println!("cargo:rerun-if-changed={regions}");
     let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     std::fs::copy("memory.x", format!("{out}/memory.x")).expect("memory.x lies beside Cargo.toml");
-    let once = if absolute && converter { "" } else { ONCE_A_COMMAND };
-    std::fs::write(format!("{out}/once_a_command.x"), once).expect("the directory of this build");
     std::fs::copy(regions, format!("{out}/regions.x")).expect("each board has its regions");
     println!("cargo:rustc-link-search={out}");
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {

@@ -27,7 +27,7 @@
 //! | time of an edge | TIM5 captures the exclusive or of both lines, because TIM2 has no encoder clock output | TIM5 captures on TIM2's encoder clock |
 //! | filter of the encoder | 100 ns | 94 ns |
 //! | conversions | 15 µs, set up through registers: the HAL has no injected conversions for this chip | 21.5 µs |
-//! | from sample to force | 25.6 µs, 2 048 cycles: effects may take 250 cycles of a step | 20 µs, 3 400 cycles: 1 130 |
+//! | from sample to force | 25.6 µs, 2 048 cycles: law and effects may take 330 cycles beyond a step | 20 µs, 3 400 cycles: 1 200 |
 //! | flash for the code | 512 KiB | 256 KiB |
 //! | measured cycles | none; the core and the memory of the control path, SRAM2 without wait states, are alike | `tests/elf` |
 //!
@@ -57,7 +57,7 @@ pub const LATCH_NS: u32 = 40_600;
 /// Time from the encoder reading, after the conversions, to the change of the force, s.
 pub const DELAY_S: f32 = 25.6e-6;
 /// Cycles that effects may take: with the worst step, 1 685 cycles, they end before the force is latched.
-pub const EFFECT_CYCLES: u32 = 250;
+pub const EFFECT_CYCLES: u32 = 330;
 /// Address of bank 2 of the flash. The code is in bank 1.
 pub const BANK_2: u32 = 0x0808_0000;
 /// Address of the presets, the last 10 KiB.

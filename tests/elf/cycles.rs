@@ -5,27 +5,40 @@ use crate::law_names::{COLUMNS, DONE, NAMES};
 use emulator::{Machine, firmware};
 use friction::effects::EffectKind;
 use haptics::compensation::COMPENSATION_CYCLES;
-use haptics::settings::{PASSIVITY_CYCLES, effect_cycles};
+use haptics::settings::{EFFECTS_CYCLES, PASSIVITY_CYCLES, effect_cycles, law_cycles};
 use haptics::{LawKind, RendererKind};
 
 /// Budget of a control step, cycles: a tenth of the period at 10 kHz.
 const BUDGET: f64 = 1_700.0;
 /// The elasto-plastic law in the plane is not in the device's step. Beyond this it would make the force late, cycles: 19.2 µs.
 const LATE: f64 = 3_260.0;
-/// What a step costs more when it has any effect.
-const HAVING_EFFECTS: f64 = 150.0;
 
 /// A board with a block that every law can render, in a hand that makes it slide, turn and stick.
 fn handled() -> Board {
     let mut board = Board::ready();
     board.ok("preset use rubber");
-    for (name, value) in
-        [("f_static", "3.5"), ("f_dynamic", "3"), ("damping", "4"), ("sigma", "8000"), ("dv", "0.01")]
-    {
+    for (name, value) in [
+        ("f_static", "3.5"),
+        ("f_dynamic", "3"),
+        ("damping", "4"),
+        ("sigma", "8000"),
+        ("dv", "0.02"),
+        ("stribeck_velocity", "0.15"),
+    ] {
         board.ok(&format!("set {name} {value}"));
     }
     board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (12.0 * t).sin() - 5.0 * v);
     board
+}
+
+/// What a law is listed with beyond the budget, cycles.
+fn own(law: LawKind) -> f64 {
+    f64::from(law_cycles(law))
+}
+
+/// What is left of it in a step of `worst` cycles: for the energy of many springs, or for bonds that snap at random.
+fn left(law: LawKind, worst: f64) -> f64 {
+    (own(law) - (worst - BUDGET).max(0.0)).max(0.0)
 }
 
 pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
@@ -44,7 +57,13 @@ pub fn every_law_under_every_renderer_stays_within_the_cycles_of_a_step() {
             board.run(600.0);
             let cycles = board.machine.statistics().step_cycles;
             row += &format!("{:>10.0} ({:5.0})", cycles.mean(), cycles.max);
-            assert!(cycles.max < BUDGET, "{} with {}: {} cycles", law.id(), renderer.id(), cycles.max);
+            assert!(
+                cycles.max < BUDGET + own(*law),
+                "{} with {}: {} cycles",
+                law.id(),
+                renderer.id(),
+                cycles.max
+            );
             board.ok("render off");
         }
         println!("{row}");
@@ -107,7 +126,8 @@ pub fn cycles_of_the_passivity_controller() {
             });
             board.ok("set passivity off");
             println!("{:17} {:18} {off:>6.0} {on:>6.0} {PASSIVITY_CYCLES:>6}", law.id(), renderer.id());
-            assert!(on - off <= f64::from(PASSIVITY_CYCLES), "{} with {}", law.id(), renderer.id());
+            let listed = f64::from(PASSIVITY_CYCLES) + left(*law, off);
+            assert!(on - off <= listed, "{} with {}: {}", law.id(), renderer.id(), on - off);
         }
     }
 }
@@ -134,7 +154,8 @@ pub fn cycles_of_the_compensation() {
             board.ok(&format!("set renderer {}", renderer.id()));
             let [off, on] = ["compensate off", friction].map(|line| worst(&mut board, line));
             println!("{:17} {:18} {off:>6.0} {on:>6.0} {listed:>6}", law.id(), renderer.id());
-            assert!(on - off <= f64::from(listed), "{} with {}", law.id(), renderer.id());
+            let listed = f64::from(listed) + left(*law, off);
+            assert!(on - off <= listed, "{} with {}", law.id(), renderer.id());
         }
     }
     board.ok("set law karnopp");
@@ -178,7 +199,7 @@ pub fn cycles_of_every_effect() {
         let with = worst(&mut board);
         let told = effect_cycles(*kind);
         println!("{:32} {:>6.0} {:>6.0} {told:>6}", kind.id(), with.mean(), with.max);
-        let added = with.max - without.max - HAVING_EFFECTS;
+        let added = with.max - without.max - f64::from(EFFECTS_CYCLES);
         if added > f64::from(told) {
             beyond.push(format!("{}: {added} cycles, listed with {told}", kind.id()));
         }
@@ -194,21 +215,27 @@ pub fn the_longest_allowed_step_is_not_late() {
 /// Renders the most expensive settings that this board accepts.
 pub fn is_not_late(mut board: Board) {
     board.machine.set_hand(|t: f64, x: f64, v: f64| 8.0 * (9.0 * t).sin() - 900.0 * x - 10.0 * v);
-    for renderer in RendererKind::ON_BOARD {
+    let of_effects: &[(&str, &str)] = &[
+        ("law", "lugre"),
+        ("stribeck.force_p", "0.2"),
+        ("stribeck.force_n", "0.2"),
+        ("frictional_lag.force", "0.2"),
+        ("frictional_lag.stribeck", "0.2"),
+    ];
+    let of_law: &[(&str, &str)] = &[("law", "elasto_plastic"), ("spring.stiffness", "2")];
+    for (renderer, dearest) in
+        RendererKind::ON_BOARD.iter().flat_map(|renderer| [(renderer, of_effects), (renderer, of_law)])
+    {
         board.ok("preset use rubber");
-        for (name, value) in [
+        let contact = [
             ("f_static", "3.5"),
             ("f_dynamic", "3"),
             ("damping", "4"),
             ("sigma", "8000"),
             ("dv", "0.01"),
-            ("law", "lugre"),
             ("renderer", renderer.id()),
-            ("stribeck.force_p", "0.2"),
-            ("stribeck.force_n", "0.2"),
-            ("frictional_lag.force", "0.2"),
-            ("frictional_lag.stribeck", "0.2"),
-        ] {
+        ];
+        for (name, value) in contact.iter().chain(dearest) {
             let answer = board.ask(&format!("set {name} {value}")).swap_remove(0);
             if !answer.starts_with("ok") {
                 println!("{answer}");
@@ -223,7 +250,8 @@ pub fn is_not_late(mut board: Board) {
         board.run(500.0);
         let s = board.machine.statistics();
         println!(
-            "{}: {:.0} cycles at most, force ready after {:.2} us, {} late",
+            "{} {}: {:.0} cycles at most, force ready after {:.2} us, {} late",
+            dearest[0].1,
             renderer.id(),
             s.step_cycles.max,
             s.compute_us.max,

@@ -110,6 +110,7 @@ fn main() -> ExitCode {
             random_inputs::target_and_host_agree_over_random_inputs_under_dahl,
             random_inputs::target_and_host_agree_over_random_inputs_under_coulomb,
             random_inputs::target_and_host_agree_over_random_inputs_under_lugre,
+            random_inputs::target_and_host_agree_over_random_inputs_under_the_other_laws,
             random_inputs::target_and_host_agree_on_subnormals,
             rate::every_rate_misses_nothing_and_is_stable,
             rate::unstable_rates_and_running_modes_refuse_rate,

@@ -172,6 +172,6 @@ mod tests {
         let body = renderable(&found, &Settings::brass(), &device).expect("the rest");
         println!("{:?}", body.left_out);
         assert_eq!(body.left_out.len(), 1);
-        assert!(body.left_out[0].why.starts_with("cycles of the effects = 1080: accepted up to 700"));
+        assert!(body.left_out[0].why.starts_with("cycles of law and effects = 1080: accepted up to 700"));
     }
 }

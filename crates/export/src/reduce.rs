@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::format::Format;
 use crate::part::{Falling, Part, Presliding, Sum, Wave};
 use friction::effects::Effect;
-use friction::{Coulomb, Dahl, Dimension, Law, LuGre};
+use friction::{Coulomb, Dahl, Dimension, Law, LawKind, LuGre, Surface};
 use identify::{Model, Nuisances};
 use signals::{Geometry, Recording, rms};
 
@@ -276,7 +276,7 @@ fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> R
 
 /// Whether the law has bristles.
 fn has_bristles(model: &Model) -> bool {
-    matches!(model.law, Law::Dahl(_) | Law::LuGre(_))
+    model.law.kind().takes("sigma")
 }
 
 /// The effect with the mean of those gains that belong to one direction each.
@@ -323,46 +323,25 @@ fn law(reduction: &mut Reduction<'_>, format: Format) -> Result<OfLaw, Error> {
         return Ok(held);
     }
     let unit = Dimension::FORCE.unit(reduction.model.geometry);
-    let (full, presliding) = match reduction.model.law {
-        Law::Coulomb(c) => (c, None),
-        Law::Karnopp(k) => {
-            let c = Coulomb {
-                level_p: k.c_p,
-                level_n: k.c_n,
-                static_p: k.d_p.max(k.c_p),
-                static_n: k.d_n.max(k.c_n),
-                viscous_p: k.b_p,
-                viscous_n: k.b_n,
-            };
-            (c, None)
-        }
-        Law::Dahl(d) => {
-            let c = Coulomb {
-                level_p: d.limit_p,
-                level_n: d.limit_n,
-                static_p: d.limit_p,
-                static_n: d.limit_n,
-                viscous_p: d.viscous,
-                viscous_n: d.viscous,
-            };
-            (c, Some(d.sigma))
-        }
-        Law::LuGre(l) => {
-            let c = Coulomb {
-                level_p: l.coulomb,
-                level_n: l.coulomb,
-                static_p: l.stiction,
-                static_n: l.stiction,
-                viscous_p: l.sigma_2,
-                viscous_n: l.sigma_2,
-            };
-            (c, Some(l.sigma_0))
-        }
+    let kind = reduction.model.law.kind();
+    let surface = Surface::of(&reduction.model.law);
+    let full = Coulomb {
+        level_p: surface.dynamic_p,
+        level_n: surface.dynamic_n,
+        static_p: surface.static_p.max(surface.dynamic_p),
+        static_n: surface.static_n.max(surface.dynamic_n),
+        viscous_p: surface.damping_p,
+        viscous_n: surface.damping_n,
     };
+    let presliding = kind.takes("sigma").then_some(surface.sigma);
     let with = |reduction: &Reduction<'_>, law| Model { law: Law::Coulomb(law), ..reduction.model.clone() };
     if let Some(sigma) = presliding {
         let stiffness = Dimension::STIFFNESS.unit(reduction.model.geometry);
         let what = format!("presliding: the contact is a spring of {sigma:.4e} {stiffness} before it slides");
+        let simpler = with(reduction, full);
+        reduction.simplify(what, simpler)?;
+    } else if kind.takes("stribeck_velocity") {
+        let what = format!("{}: friction near rest is a curve of speed; held is a level", kind.id());
         let simpler = with(reduction, full);
         reduction.simplify(what, simpler)?;
     }
@@ -423,8 +402,15 @@ fn bristles(reduction: &mut Reduction<'_>) -> Result<Option<OfLaw>, Error> {
         viscous_p: viscous,
         viscous_n: viscous,
     };
+    let kind = reduction.model.law.kind();
+    if kind.takes("sigma") && !matches!(kind, LawKind::Dahl | LawKind::LuGre) {
+        let nearest = if kind.takes("stribeck_velocity") { LawKind::LuGre } else { LawKind::Dahl };
+        let law = Surface::of(&reduction.model.law).law(nearest);
+        let what = format!("{}: held are the bristles of {}", kind.id(), nearest.id());
+        let simpler = Model { law, ..reduction.model.clone() };
+        reduction.simplify(what, simpler)?;
+    }
     Ok(match reduction.model.law {
-        Law::Coulomb(_) | Law::Karnopp(_) => None,
         Law::LuGre(l) => {
             let falling = Falling {
                 force: (l.stiction - l.coulomb).max(0.0),
@@ -455,6 +441,7 @@ fn bristles(reduction: &mut Reduction<'_>) -> Result<Option<OfLaw>, Error> {
             }
             Some((even(level, d.viscous), Some(Bristle { level, stiffness: d.sigma, ..Bristle::default() })))
         }
+        _ => None,
     })
 }
 

@@ -104,7 +104,8 @@ impl<S: Scalar> FrictionLaw<S> for Armstrong<S> {
             state.dwelt = zero;
         }
         if !state.sliding {
-            state.dwelt += motion.dt;
+            // longer than any experiment; infinity over infinity is no share
+            state.dwelt = (state.dwelt + motion.dt).min(S::lit(1e30));
             let risen = self.risen(state.left, state.dwelt);
             let level = self.coulomb + risen;
             state.spring += self.stiffness * dx;
@@ -118,6 +119,10 @@ impl<S: Scalar> FrictionLaw<S> for Armstrong<S> {
         let level = self.coulomb + state.risen * fallen;
         state.spring = level * state.spring.sgn();
         limits::bounded(state.spring + self.viscous * v)
+    }
+
+    fn stored(&self, state: &Self::State) -> S {
+        S::lit(0.5) * state.spring * state.spring / self.stiffness
     }
 
     fn validate(&self) -> Result<(), Invalid> {

@@ -117,6 +117,12 @@ impl<S: Scalar, const N: usize> FrictionLaw<S> for Bristle<S, N> {
         limits::bounded(S::lit(1.5 / N as f64) * self.level * sum + viscous)
     }
 
+    fn stored(&self, state: &Self::State) -> S {
+        let squares = state.deflection.iter().fold(S::zero(), |sum, &bond| sum + bond * bond);
+        // σ/2N Σ (Δ bond)², with σ Δ = 1.5 level
+        S::lit(0.75 / N as f64) * self.level * self.snapping_point() * squares
+    }
+
     fn validate(&self) -> Result<(), Invalid> {
         in_range("stiffness", self.stiffness, 1e-3, limits::STIFFNESS)?;
         in_range("level", self.level, 0.0, limits::LEVEL)?;

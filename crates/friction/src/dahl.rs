@@ -65,6 +65,14 @@ impl<S: Scalar> Dahl<S> {
         if self.exponent == one && !self.exponent.has_derivative() {
             return (-slid).exp();
         }
+        self.curved(slid, gap, limit)
+    }
+
+    /// The same for an exponent other than 1, which no device renders.
+    #[cold]
+    #[inline(never)]
+    fn curved(&self, slid: S, gap: S, limit: S) -> S {
+        let (cap, one) = (S::lit(1e30), S::one());
         let over = self.exponent - one;
         let slid = cap.min(slid * (gap / limit).powf(over));
         // (1 + y)^(−1/over) with y = over·slid, smooth through over = 0
@@ -100,6 +108,10 @@ impl<S: Scalar> FrictionLaw<S> for Dahl<S> {
             (sign * (limit - left)).clamp(-self.limit_n, self.limit_p)
         };
         limits::bounded(state.z + self.viscous * motion.velocity)
+    }
+
+    fn stored(&self, state: &Self::State) -> S {
+        S::lit(0.5) * state.z * state.z / self.sigma
     }
 
     fn validate(&self) -> Result<(), Invalid> {

@@ -61,6 +61,8 @@ impl Dimension {
     pub const DAMPING: Self = Self::FORCE.per(Self::VELOCITY);
     /// Hz.
     pub const FREQUENCY: Self = Self::NUMBER.per(Self::TIME);
+    /// N/s, or N·m/s.
+    pub const FORCE_RATE: Self = Self::FORCE.per(Self::TIME);
 
     /// The product of two.
     #[must_use]

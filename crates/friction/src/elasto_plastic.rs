@@ -124,12 +124,14 @@ impl<S: Scalar> ElastoPlastic<S> {
         // α/z_ss times the share of the deflection that points in the direction of motion
         let rate_at = |z: S, side: S| {
             let length = length(z, side);
+            // without a division on a line
+            let along = |z: S| if side == zero { one } else { z / length };
             if !(z > zero) || length <= break_away {
                 zero
             } else if length >= steady {
-                stiff * (z / length)
+                stiff * along(z)
             } else {
-                stiff * (half + half * (transition * (length - centre)).sin()) * (z / length)
+                stiff * (half + half * (transition * (length - centre)).sin_of_quarter()) * along(z)
             }
         };
         let mut rate = rate_at(z, side);
@@ -166,6 +168,10 @@ impl<S: Scalar> FrictionLaw<S> for ElastoPlastic<S> {
         };
         let rate = if motion.dt > zero { limits::bounded((state.z - before) / motion.dt) } else { zero };
         limits::bounded(self.sigma_0 * state.z + self.sigma_1 * rate + self.sigma_2 * motion.velocity)
+    }
+
+    fn stored(&self, state: &Self::State) -> S {
+        S::lit(0.5) * self.sigma_0 * state.z * state.z
     }
 
     fn validate(&self) -> Result<(), Invalid> {

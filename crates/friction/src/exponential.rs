@@ -14,8 +14,14 @@ const NORMAL: f32 = 87.0;
 
 /// e^x within one unit in the last place for |x| ≤ 87. Beyond, 0 (instead of values below 1.7·10⁻³⁸) and infinity; NaN for
 /// NaN.
-#[inline(always)] // a call would make the law save its registers, which costs half as much as this function
+#[inline(never)] // copies of it would not fit into the fast memory of a device
 pub(crate) fn exp(x: f32) -> f32 {
+    inlined(x)
+}
+
+/// The same without a call, which would make a law save its registers: half as much as this function costs.
+#[inline(always)]
+pub(crate) fn inlined(x: f32) -> f32 {
     if !(x.abs() <= NORMAL) {
         return if x < 0.0 { 0.0 } else { x * f32::MAX };
     }

@@ -100,6 +100,25 @@ impl<S: Scalar> MaxwellSlip<S> {
         }
     }
 
+    /// A contact whose virgin curve begins with the stiffness `sigma`, N/m.
+    ///
+    /// ```
+    /// let law = friction::MaxwellSlip::of_stiffness(3.0_f64, 1e4);
+    /// assert!((law.initial_stiffness() - 1e4).abs() < 1e-6);
+    /// ```
+    pub fn of_stiffness(coulomb: S, sigma: S) -> Self {
+        // without friction there is no stiffness: any length
+        let level = coulomb.max(S::lit(1e-3));
+        let share = Self::new(level, S::one()).initial_stiffness();
+        let law = Self::new(level, share / sigma);
+        Self { coulomb, stiction: coulomb, ..law }
+    }
+
+    /// Stiffness of the contact while every element sticks, N/m.
+    pub fn initial_stiffness(&self) -> S {
+        self.coulomb * self.stiffness.iter().fold(S::zero(), |sum, &k| sum + k)
+    }
+
     /// Sliding level g(v) without the viscous part, N.
     ///
     /// ```
@@ -120,7 +139,8 @@ impl<S: Scalar> FrictionLaw<S> for MaxwellSlip<S> {
         }
         let (dx, zero) = (motion.displacement, S::zero());
         let level = self.level(motion.velocity);
-        let follows = if level > zero { (-(self.attraction * motion.dt / level)).exp() } else { zero };
+        let follows =
+            if level > zero { (-(self.attraction * motion.dt.max(zero) / level)).exp() } else { zero };
         let (direction, sign): (i8, S) = if dx > zero {
             (1, S::one())
         } else if dx < zero {
@@ -151,6 +171,15 @@ impl<S: Scalar> FrictionLaw<S> for MaxwellSlip<S> {
             sum += *force;
         }
         limits::bounded(sum + self.viscous * motion.velocity)
+    }
+
+    fn stored(&self, state: &Self::State) -> S {
+        let elements = self.stiffness.iter().zip(&state.force);
+        let twice = elements.fold(S::zero(), |sum, (&stiffness, &force)| {
+            let stiffness = stiffness * self.coulomb;
+            if stiffness > S::zero() { sum + force * force / stiffness } else { sum }
+        });
+        S::lit(0.5) * twice
     }
 
     fn validate(&self) -> Result<(), Invalid> {

@@ -4,15 +4,43 @@ use crate::{FrictionLaw, Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
 /// α(z) of [thesis, eq. 4.4]: the way a contact yields.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Adhesion {
     /// [thesis, eq. 4.6]: static and kinetic friction are equal.
+    #[default]
     StickSlide,
     /// [thesis, eq. 4.7]: the contact holds up to z_stick, then slips to z_max.
     StickSlipSlide,
     /// [thesis, eq. 4.8]: like `StickSlipSlide`, with creep under a slow load.
     StickCreepSlipSlide,
+}
+
+impl Adhesion {
+    /// Every way with its id, as a user types it.
+    pub const ALL: [(&'static str, Self); 3] = [
+        ("stick_slide", Self::StickSlide),
+        ("stick_slip_slide", Self::StickSlipSlide),
+        ("stick_creep_slip_slide", Self::StickCreepSlipSlide),
+    ];
+    /// Every id.
+    pub const IDS: &'static str = "stick_slide, stick_slip_slide, stick_creep_slip_slide";
+
+    /// Its id.
+    ///
+    /// ```
+    /// assert_eq!(friction::Adhesion::default().id(), "stick_slide");
+    /// ```
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        Self::ALL.iter().find(|(_, way)| *way == self).map_or("", |(id, _)| id)
+    }
+
+    /// The way with this id.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(known, _)| *known == id).map(|(_, way)| *way)
+    }
 }
 
 described! {
@@ -104,6 +132,10 @@ impl<S: Scalar> FrictionLaw<S> for HaywardArmstrong<S> {
             if alpha * z.abs() > S::one() { most * z.sgn() } else { z - dx.abs() * alpha * z }
         };
         limits::bounded(self.stiffness * state.z + self.viscous * motion.velocity)
+    }
+
+    fn stored(&self, state: &Self::State) -> S {
+        S::lit(0.5) * self.stiffness * state.z * state.z
     }
 
     fn validate(&self) -> Result<(), Invalid> {

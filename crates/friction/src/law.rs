@@ -112,6 +112,11 @@ pub trait FrictionLaw<S: Scalar> {
     /// Advances the law by `motion.dt` and returns the friction force in N, positive against positive motion.
     fn step(&self, state: &mut Self::State, motion: &Motion<S>) -> S;
 
+    /// Energy in the springs of the contact, which a body may get back, J.
+    fn stored(&self, _state: &Self::State) -> S {
+        S::zero()
+    }
+
     /// Checks every parameter for finiteness and physical range.
     ///
     /// # Errors

@@ -8,7 +8,8 @@
 //!   [`Armstrong`].
 //! * Physics that a complete law leaves out, and what sensors and drives make of a record: [`effects`].
 //! * Physics without a name: [`FreeForm`].
-//! * Every law by its id, with its parameters: [`LAWS`], [`with_every_law`].
+//! * Every law by its id, with its parameters: [`LAWS`], [`with_every_law`]; one chosen at run time: [`Law`], [`LawKind`],
+//!   [`Surface`].
 //! * Friction in the plane, isotropic or with a grain: [`planar`].
 //! * Units: [`Dimension`], [`Geometry`], [`parameters`].
 #![no_std]
@@ -47,10 +48,11 @@ pub mod parameters;
 pub mod planar;
 mod scalar;
 mod sine;
+mod surface;
 mod viscous;
 
 pub use about_law::{AboutLaw, DescribeLaw, LAWS, LawParameter};
-pub use any::{Law, LawState};
+pub use any::{BONDS, Law, LawKind, LawState};
 pub use armstrong::{Armstrong, ArmstrongState};
 pub use bristle::{Bristle, BristleState};
 pub use classic::Classic;
@@ -67,4 +69,5 @@ pub use law::{Custom, FrictionLaw, Invalid, Motion, in_range};
 pub use lugre::{LuGre, LuGreState};
 pub use majd_simaan::MajdSimaan;
 pub use scalar::Scalar;
+pub use surface::Surface;
 pub use viscous::Viscous;

@@ -24,12 +24,18 @@ pub(crate) fn sliding<S: Scalar>(level: S, viscous: S, speed: S) -> S {
 
 /// Stribeck curve from `stiction` at rest to `coulomb`: g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²).
 pub(crate) fn stribeck<S: Scalar>(coulomb: S, stiction: S, velocity: S, stribeck_velocity: S) -> S {
-    stribeck_at(coulomb, stiction, velocity / stribeck_velocity)
+    let ratio = velocity / stribeck_velocity;
+    coulomb + (stiction - coulomb) * fallen(ratio).exp()
 }
 
-/// Stribeck curve at `ratio` = v/v_s.
+/// Logarithm of the rest of the Stribeck friction at `ratio` = v/v_s.
+#[inline(always)]
+fn fallen<S: Scalar>(ratio: S) -> S {
+    -(ratio * ratio).min(S::lit(1e6))
+}
+
+/// Stribeck curve at `ratio` = v/v_s, without a call.
 #[inline(always)]
 pub(crate) fn stribeck_at<S: Scalar>(coulomb: S, stiction: S, ratio: S) -> S {
-    let fallen = (ratio * ratio).min(S::lit(1e6));
-    coulomb + (stiction - coulomb) * (-fallen).exp()
+    coulomb + (stiction - coulomb) * fallen(ratio).exp_inlined()
 }

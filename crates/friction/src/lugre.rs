@@ -83,7 +83,7 @@ impl<S: Scalar> LuGre<S> {
     /// Share of a deflection's distance from its end that is left after sliding −`slid`, at the level g.
     #[inline(always)]
     pub(crate) fn left(&self, slid: S, level: S) -> S {
-        if level > S::zero() { (self.sigma_0 * slid / level).exp() } else { S::zero() }
+        if level > S::zero() { (self.sigma_0 * slid / level).exp_inlined() } else { S::zero() }
     }
 
     /// Whether the law is passive, that is never returns more energy than it received: σ₂ F_c ≥ σ₁ (F_s − F_c).
@@ -122,6 +122,10 @@ impl<S: Scalar> FrictionLaw<S> for LuGre<S> {
         }
         let rate = if motion.dt > zero { limits::bounded((state.z - before) / motion.dt) } else { zero };
         limits::bounded(self.sigma_0 * state.z + self.sigma_1 * rate + self.sigma_2 * motion.velocity)
+    }
+
+    fn stored(&self, state: &Self::State) -> S {
+        S::lit(0.5) * self.sigma_0 * state.z * state.z
     }
 
     fn validate(&self) -> Result<(), Invalid> {

@@ -58,10 +58,26 @@ impl<S: Scalar> MajdSimaan<S> {
     }
 }
 
-impl MajdSimaan<f64> {
-    /// The law whose curve without the viscous part peaks at `stiction`, N.
+impl<S: Scalar> MajdSimaan<S> {
+    /// Peak of the curve without the viscous part, N.
     ///
-    /// The peak lies at u = ln(n(1 + f_c/σ))/(n − 1) and grows with σ, which is found by bisection.
+    /// It lies at u = ln(n(1 + f_c/σ))/(n − 1), in v_c.
+    ///
+    /// ```
+    /// let law = friction::MajdSimaan { viscous: 0.0, coulomb: 3.0, stribeck: 0.0, critical_velocity: 1e-3, steepness: 10.0 };
+    /// assert_eq!(law.stiction(), 3.0_f64); // without a Stribeck part the curve rises to f_c
+    /// ```
+    pub fn stiction(&self) -> S {
+        let (n, one) = (self.steepness, S::one());
+        if self.stribeck > S::zero() {
+            self.level((n * (one + self.coulomb / self.stribeck)).ln() / (n - one))
+        } else {
+            self.coulomb
+        }
+    }
+
+    /// The law whose curve without the viscous part peaks at `stiction`, N. The peak grows with σ, which is found by
+    /// bisection.
     ///
     /// ```
     /// use friction::{FrictionLaw, MajdSimaan, Motion};
@@ -72,21 +88,21 @@ impl MajdSimaan<f64> {
     /// assert!((peak - 3.5).abs() < 1e-6);
     /// ```
     #[must_use]
-    pub fn with_stiction(mut self, stiction: f64) -> Self {
-        let (mut low, mut high) = (0.0, 1.0);
-        let peak = |sigma: f64| {
-            let law = Self { stribeck: sigma, ..self };
-            let n = law.steepness;
-            law.level(libm::log(n * (1.0 + law.coulomb / sigma)) / (n - 1.0))
-        };
-        while peak(high) < stiction && high < limits::LEVEL {
-            high *= 2.0;
+    pub fn with_stiction(mut self, stiction: S) -> Self {
+        let (mut low, mut high) = (S::zero(), S::one());
+        let peak = |sigma: S| Self { stribeck: sigma, ..self }.stiction();
+        let most = S::lit(limits::LEVEL);
+        while peak(high) < stiction && high < most {
+            high = (high + high).min(most);
         }
         for _ in 0..200 {
-            let middle = 0.5 * (low + high);
+            let middle = S::lit(0.5) * (low + high);
+            if middle == low || middle == high {
+                break;
+            }
             if peak(middle) < stiction { low = middle } else { high = middle }
         }
-        self.stribeck = 0.5 * (low + high);
+        self.stribeck = S::lit(0.5) * (low + high);
         self
     }
 }

@@ -2,7 +2,7 @@
 //! derivatives.
 
 use crate::exponential;
-use crate::sine::sin_cos;
+use crate::sine::{sin_cos, sin_of_quarter};
 use core::fmt::Debug;
 use num_traits::{Num, NumAssignOps};
 
@@ -30,6 +30,11 @@ pub trait Scalar:
     fn re(self) -> f64;
     /// e^x.
     fn exp(self) -> Self;
+    /// e^x without a call, for a law of which single cycles are counted.
+    #[inline(always)]
+    fn exp_inlined(self) -> Self {
+        self.exp()
+    }
     /// Natural logarithm.
     fn ln(self) -> Self;
     /// Square root.
@@ -38,6 +43,10 @@ pub trait Scalar:
     fn sin(self) -> Self;
     /// Cosine, x in rad.
     fn cos(self) -> Self;
+    /// Sine for |x| ≤ π/2.
+    fn sin_of_quarter(self) -> Self {
+        self.sin()
+    }
     /// x^p for x ≥ 0.
     fn powf(self, p: Self) -> Self;
 
@@ -85,7 +94,7 @@ pub trait Scalar:
 }
 
 macro_rules! scalar_by_libm {
-    ($float:ty, $exp:expr, $ln:ident, $sqrt:ident, $sin:expr, $cos:expr, $pow:ident) => {
+    ($float:ty, $exp:expr, $exp_inlined:expr, $ln:ident, $sqrt:ident, $sin:expr, $quarter:expr, $cos:expr, $pow:ident) => {
         impl Scalar for $float {
             fn lit(value: f64) -> Self {
                 value as $float
@@ -97,6 +106,10 @@ macro_rules! scalar_by_libm {
             fn exp(self) -> Self {
                 $exp(self)
             }
+            #[inline(always)]
+            fn exp_inlined(self) -> Self {
+                $exp_inlined(self)
+            }
             fn ln(self) -> Self {
                 libm::$ln(self)
             }
@@ -105,6 +118,10 @@ macro_rules! scalar_by_libm {
             }
             fn sin(self) -> Self {
                 $sin(self)
+            }
+            #[inline(always)]
+            fn sin_of_quarter(self) -> Self {
+                $quarter(self)
             }
             fn cos(self) -> Self {
                 $cos(self)
@@ -128,5 +145,15 @@ macro_rules! scalar_by_libm {
     };
 }
 
-scalar_by_libm!(f32, exponential::exp, logf, sqrtf, |x| sin_cos(x).0, |x| sin_cos(x).1, powf);
-scalar_by_libm!(f64, libm::exp, log, sqrt, libm::sin, libm::cos, pow);
+scalar_by_libm!(
+    f32,
+    exponential::exp,
+    exponential::inlined,
+    logf,
+    sqrtf,
+    |x| sin_cos(x).0,
+    sin_of_quarter,
+    |x| sin_cos(x).1,
+    powf
+);
+scalar_by_libm!(f64, libm::exp, libm::exp, log, sqrt, libm::sin, libm::sin, libm::cos, pow);

@@ -28,6 +28,18 @@ pub(crate) fn sin_cos(x: f32) -> (f32, f32) {
     }
 }
 
+/// Sine for |x| ≤ π/2, within 1.5·10⁻⁷.
+#[inline(always)] // a fifth of the whole sine
+pub(crate) fn sin_of_quarter(x: f32) -> f32 {
+    let a = x.abs();
+    let sin = if a < core::f32::consts::FRAC_PI_4 {
+        octant(a).0
+    } else {
+        octant(((HALF_PI[0] - a) + HALF_PI[1]) + HALF_PI[2]).1
+    };
+    if x < 0.0 { -sin } else { sin }
+}
+
 /// `x` without its whole turns, to the precision of a large number.
 fn fraction_of_turn(x: f32) -> f32 {
     let turns = x * (0.5 * core::f32::consts::FRAC_1_PI);
@@ -46,7 +58,7 @@ fn octant(r: f32) -> (f32, f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::sin_cos;
+    use super::{sin_cos, sin_of_quarter};
     use std::println;
 
     #[test]
@@ -65,6 +77,18 @@ mod tests {
             }
         }
         println!("largest error {worst:.2e}, at {at} rad");
+        assert!(worst < 1.5e-7);
+    }
+
+    #[test]
+    fn a_quarter_agrees_with_f64() {
+        let most = core::f32::consts::FRAC_PI_2;
+        let error = |k: i32| {
+            let x = most * (k as f32 / 100_000.0);
+            (f64::from(sin_of_quarter(x)) - f64::from(x).sin()).abs()
+        };
+        let worst = (-100_000..=100_000).map(error).fold(0.0, f64::max);
+        println!("largest error {worst:.2e}");
         assert!(worst < 1.5e-7);
     }
 

@@ -87,7 +87,7 @@ pub struct Device {
     pub rest_speed: f32,
     /// Largest force on the load cell of a released handle, N.
     pub rest_force: f32,
-    /// Cycles of a control step that effects may take, so that its force is not late under any law.
+    /// Cycles of a control step that a dear law and effects may take, so that its force is not late under any law.
     pub effect_cycles: u32,
     /// Proportional gain of the excitation, N/m. Not printed in [thesis, ch. 3.5.2], where it was tuned by hand.
     pub tracking_stiffness: f32,
@@ -239,7 +239,7 @@ impl Default for Device {
             overspeed: OVERSPEED,
             rest_speed: REST_SPEED,
             rest_force: REST_FORCE,
-            effect_cycles: 1_130,
+            effect_cycles: 1_200,
             tracking_stiffness: TRACKING_STIFFNESS,
             tracking_damping: TRACKING_DAMPING,
             compensation: Compensation::NONE,

@@ -6,6 +6,7 @@
 
 use crate::Device;
 use crate::settings::{LawKind, MAX_EFFECTS, RendererKind, Settings};
+use friction::Adhesion;
 
 /// Makes a preset.
 pub type Make = fn() -> Settings;
@@ -29,6 +30,7 @@ impl Settings {
             sigma: device.inertia(self.sigma),
             sigma_1: device.inertia(self.sigma_1),
             stribeck_velocity: device.speed(self.stribeck_velocity),
+            attraction: device.force(self.attraction),
             effects: [None; MAX_EFFECTS],
             ..*self
         };
@@ -64,6 +66,12 @@ impl Settings {
             stribeck_velocity: 0.01,
             effects: [None; MAX_EFFECTS],
             passivity: false,
+            elastic: 0.7,
+            attraction: 3_000.0,
+            memory: 0.0,
+            dwell: 1.0,
+            steepness: 10.0,
+            adhesion: Adhesion::StickSlide,
         }
     }
 

@@ -429,7 +429,7 @@ fn any_number() -> impl Strategy<Value = f32> {
 }
 
 prop_compose! {
-    fn any_settings()(law in 0..4_usize, renderer in 0..RendererKind::ALL.len(), preset in 0..4_usize,
+    fn any_settings()(law in 0..LawKind::ALL.len(), renderer in 0..RendererKind::ALL.len(), preset in 0..4_usize,
                       change in prop::collection::vec((0..Settings::PARAMETERS.len(), any_number()), 0..4),
                       effect in 0..friction::effects::EffectKind::ALL.len(), gain in any_number()) -> Settings {
         let (_, make) = Settings::PRESETS[preset];

@@ -128,6 +128,7 @@ fn non_finite_fields_are_refused() {
                 damping_p: 3.0,
                 damping_n: 3.0,
                 sigma: 5_000.0,
+                stribeck_velocity: 0.2,
                 ..Settings::rubber()
             };
             assert!(base.validate(&device).is_ok(), "{law:?} {renderer:?}: {:?}", base.validate(&device));
@@ -146,6 +147,11 @@ fn non_finite_fields_are_refused() {
                     |s| &mut s.sigma,
                     |s| &mut s.sigma_1,
                     |s| &mut s.stribeck_velocity,
+                    |s| &mut s.elastic,
+                    |s| &mut s.attraction,
+                    |s| &mut s.memory,
+                    |s| &mut s.dwell,
+                    |s| &mut s.steepness,
                 ];
                 for field in fields {
                     let mut settings = base;

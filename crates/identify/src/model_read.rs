@@ -5,26 +5,25 @@ use crate::model_curves;
 use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file, sensor_words};
 use friction::effects::{Effect, EffectKind, SeriesEffect, SeriesKind};
 use friction::parameters::OFFSET;
-use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
+use friction::{Adhesion, LawKind, Surface};
 use signals::Geometry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
-/// Numbers of `[preset]` that are not an effect's.
-const NUMBERS: &[&str] = &[
-    "mass",
+/// Numbers of `[preset]` that are neither an effect's nor the law's.
+const OF_BODY: [&str; 3] = ["mass", "k_vc", "b_vc"];
+/// Numbers of a law without which it is a simpler one: static friction is dynamic friction, the others are zero.
+const OPTIONAL: [&str; 10] = [
+    "f_static",
     "f_static_p",
     "f_static_n",
-    "f_dynamic_p",
-    "f_dynamic_n",
+    "damping",
     "damping_p",
     "damping_n",
     "dv",
-    "k_vc",
-    "b_vc",
-    "sigma",
     "sigma_1",
-    "stribeck_velocity",
+    "memory",
+    "adhesion",
 ];
 
 /// Names that stand for both directions.
@@ -33,6 +32,11 @@ const BOTH_DIRECTIONS: &[(&str, &[&str])] = &[
     ("f_dynamic", &["f_dynamic_p", "f_dynamic_n"]),
     ("damping", &["damping_p", "damping_n"]),
 ];
+
+/// Names of the numbers of `[preset]` that are not an effect's. `exponent` stands in `[model]`.
+fn of_preset() -> impl Iterator<Item = &'static str> {
+    OF_BODY.into_iter().chain(Surface::<f64>::NAMES.iter().copied().filter(|name| *name != "exponent"))
+}
 
 /// A key with its value and where it stands.
 struct Entry {
@@ -49,8 +53,9 @@ enum Value {
 struct Reader<'a> {
     text: &'a str,
     numbers: BTreeMap<&'static str, (f64, usize)>,
-    law: Option<(String, usize)>,
+    law: Option<(LawKind, usize)>,
     exponent: f64,
+    adhesion: Adhesion,
     model: Model,
     sensors: BTreeMap<String, (f64, usize)>,
     places: BTreeMap<String, usize>,
@@ -67,6 +72,7 @@ pub(crate) fn read(text: &str) -> Result<Model, Complaint> {
         numbers: BTreeMap::new(),
         law: None,
         exponent: 1.0,
+        adhesion: Adhesion::default(),
         model: Model::default(),
         sensors: BTreeMap::new(),
         places: BTreeMap::new(),
@@ -182,7 +188,14 @@ impl Reader<'_> {
     fn preset(&mut self, entry: Entry) -> Result<(), Complaint> {
         let both: &[&'static str] = match entry.key.as_str() {
             "law" => {
-                self.law = Some((self.word(&entry, &Law::<f64>::IDS)?, entry.at));
+                let ids: Vec<&str> = LawKind::ALL.iter().map(|law| law.id()).collect();
+                let id = self.word(&entry, &ids)?;
+                self.law = LawKind::from_id(&id).map(|law| (law, entry.at));
+                return Ok(());
+            }
+            "adhesion" => {
+                let id = self.word(&entry, &Adhesion::ALL.map(|(id, _)| id))?;
+                self.adhesion = Adhesion::from_id(&id).unwrap_or_default();
                 return Ok(());
             }
             "renderer" => {
@@ -195,8 +208,8 @@ impl Reader<'_> {
                 return Ok(());
             }
             name if let Some((_, both)) = BOTH_DIRECTIONS.iter().find(|(alias, _)| *alias == name) => both,
-            name => match NUMBERS.iter().position(|n| *n == name) {
-                Some(i) => &NUMBERS[i..=i],
+            name => match of_preset().find(|known| *known == name) {
+                Some(known) => &[known],
                 None => return self.effect(&entry),
             },
         };
@@ -210,9 +223,9 @@ impl Reader<'_> {
     fn effect(&mut self, entry: &Entry) -> Result<(), Complaint> {
         let Some((id, parameter)) = entry.key.split_once('.') else {
             let why = format!(
-                "no parameter `{}`: accepted are law, renderer, passivity, f_static, f_dynamic, damping, {} and EFFECT.PARAMETER",
+                "no parameter `{}`: accepted are law, renderer, adhesion, passivity, f_static, f_dynamic, damping, {} and EFFECT.PARAMETER",
                 entry.key,
-                NUMBERS.join(", ")
+                of_preset().collect::<Vec<_>>().join(", ")
             );
             return Err(self.error(entry.at, why));
         };
@@ -268,49 +281,35 @@ impl Reader<'_> {
 
     fn required(&self, name: &'static str) -> Result<f64, Complaint> {
         self.numbers.get(name).map(|(x, _)| *x).ok_or_else(|| {
-            let law = self.law.as_ref().map_or("", |(law, _)| law);
+            let law = self.law.map_or("", |(law, _)| law.id());
             let why = format!("[preset] has no {name}; a model with law \"{law}\" needs it");
-            Complaint { at: self.law.as_ref().map(|(_, at)| line_column(self.text, *at)), why }
+            Complaint { at: self.law.map(|(_, at)| line_column(self.text, at)), why }
         })
     }
 
     fn finish(mut self) -> Result<Model, Complaint> {
-        let Some((law, law_at)) = self.law.clone() else {
-            let why = format!("[preset] has no law; accepted: {}", Law::<f64>::IDS.join(", "));
+        let Some((law, law_at)) = self.law else {
+            let why = format!("[preset] has no law; accepted: {}", LawKind::IDS);
             return Err(Complaint { at: None, why });
         };
         self.model.mass = self.required("mass")?;
-        let or = |name: &str, otherwise: f64| self.numbers.get(name).map_or(otherwise, |(x, _)| *x);
-        let (level_p, level_n) = (self.required("f_dynamic_p")?, self.required("f_dynamic_n")?);
-        let (static_p, static_n) = (or("f_static_p", level_p), or("f_static_n", level_n));
-        let (viscous_p, viscous_n) = (or("damping_p", 0.0), or("damping_n", 0.0));
-        self.model.law = match law.as_str() {
-            "karnopp" => Law::Karnopp(Karnopp {
-                c_p: level_p,
-                c_n: level_n,
-                b_p: viscous_p,
-                b_n: viscous_n,
-                d_p: static_p,
-                d_n: static_n,
-                delta_v: or("dv", 0.0),
-            }),
-            "dahl" => Law::Dahl(Dahl {
-                limit_p: level_p,
-                limit_n: level_n,
-                sigma: self.required("sigma")?,
-                exponent: self.exponent,
-                viscous: viscous_p,
-            }),
-            "coulomb" => Law::Coulomb(Coulomb { level_p, level_n, static_p, static_n, viscous_p, viscous_n }),
-            _ => Law::LuGre(LuGre {
-                sigma_0: self.required("sigma")?,
-                sigma_1: or("sigma_1", 0.0),
-                sigma_2: viscous_p,
-                coulomb: level_p,
-                stiction: static_p,
-                stribeck_velocity: self.required("stribeck_velocity")?,
-            }),
-        };
+        for name in law.parameters().iter().filter(|name| !OPTIONAL.contains(name)) {
+            let both = BOTH_DIRECTIONS.iter().find(|(alias, _)| alias == name).map(|(_, both)| *both);
+            for name in both.unwrap_or(&[name]) {
+                self.required(name)?;
+            }
+        }
+        let of = |name: &str| self.numbers.get(name).map(|(x, _)| *x);
+        let mut surface =
+            Surface { dv: 0.0, exponent: self.exponent, adhesion: self.adhesion, ..Surface::default() };
+        for name in Surface::<f64>::NAMES {
+            if let (Some(value), Some(place)) = (of(name), surface.get_mut(name)) {
+                *place = value;
+            }
+        }
+        surface.static_p = of("f_static_p").unwrap_or(surface.dynamic_p);
+        surface.static_n = of("f_static_n").unwrap_or(surface.dynamic_n);
+        self.model.law = surface.law(law);
         self.model.coupling.k_vc = self.numbers.get("k_vc").map(|(x, _)| *x);
         self.model.coupling.b_vc = self.numbers.get("b_vc").map(|(x, _)| *x);
         for kind in SeriesKind::ALL {

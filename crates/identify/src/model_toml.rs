@@ -33,7 +33,7 @@ use crate::planar::PlanarModel;
 use crate::{model_curves, model_read};
 use friction::effects::EffectKind;
 use friction::parameters::OFFSET;
-use friction::{Dimension, Law};
+use friction::{Dimension, Law, Surface};
 use signals::files::reason;
 use signals::{Error, Geometry};
 use std::fmt::Write;
@@ -83,9 +83,10 @@ impl Model {
         let mut out = vec![("law".to_string(), self.law.id().to_string())];
         let mut set = |name: &str, value: f64| out.push((name.to_string(), decimal(value)));
         set("mass", self.mass);
-        for (name, value) in law_parameters(&self.law) {
+        let surface = Surface::of(&self.law);
+        for name in self.law.kind().parameters() {
             // A Δv that is not known is the device's choice: it refuses zero.
-            if name != "dv" || value > 0.0 {
+            if let Some(value) = surface.get(name).filter(|value| *name != "dv" || *value > 0.0) {
                 set(name, value);
             }
         }
@@ -106,6 +107,9 @@ impl Model {
         if let Some(renderer) = renderer {
             out.insert(1, ("renderer".into(), renderer.clone()));
         }
+        if self.law.kind().takes("adhesion") {
+            out.push(("adhesion".into(), surface.adhesion.id().into()));
+        }
         if let Some(passivity) = passivity {
             out.push(("passivity".into(), passivity.clone()));
         }
@@ -117,7 +121,7 @@ impl Model {
     pub fn to_toml(&self) -> String {
         let mut text = String::from("[preset] # each line is `set KEY VALUE` on the device's console\n");
         for (name, value) in self.preset_lines() {
-            let value = if matches!(name.as_str(), "law" | "renderer" | "passivity") {
+            let value = if matches!(name.as_str(), "law" | "renderer" | "adhesion" | "passivity") {
                 quoted(&value)
             } else {
                 value
@@ -172,43 +176,6 @@ impl Model {
 
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_string()).to_string()
-}
-
-/// Parameters of a law by their name in a preset.
-pub(crate) fn law_parameters(law: &Law<f64>) -> Vec<(&'static str, f64)> {
-    match *law {
-        Law::Karnopp(k) => vec![
-            ("f_static_p", k.d_p),
-            ("f_static_n", k.d_n),
-            ("f_dynamic_p", k.c_p),
-            ("f_dynamic_n", k.c_n),
-            ("damping_p", k.b_p),
-            ("damping_n", k.b_n),
-            ("dv", k.delta_v),
-        ],
-        Law::Coulomb(c) => vec![
-            ("f_static_p", c.static_p),
-            ("f_static_n", c.static_n),
-            ("f_dynamic_p", c.level_p),
-            ("f_dynamic_n", c.level_n),
-            ("damping_p", c.viscous_p),
-            ("damping_n", c.viscous_n),
-        ],
-        Law::Dahl(d) => vec![
-            ("f_dynamic_p", d.limit_p),
-            ("f_dynamic_n", d.limit_n),
-            ("damping", d.viscous),
-            ("sigma", d.sigma),
-        ],
-        Law::LuGre(l) => vec![
-            ("f_static", l.stiction),
-            ("f_dynamic", l.coulomb),
-            ("damping", l.sigma_2),
-            ("sigma", l.sigma_0),
-            ("sigma_1", l.sigma_1),
-            ("stribeck_velocity", l.stribeck_velocity),
-        ],
-    }
 }
 
 /// Unit of a parameter of an effect.

@@ -1,7 +1,7 @@
 //! Key words of `model.toml`, shared by reader and writer.
 
 use friction::effects::SeriesKind;
-use friction::{Invalid, Law};
+use friction::{Invalid, LAWS, Law, LawKind, Surface};
 use signals::{Error, Place};
 
 /// Name and version of the file.
@@ -29,21 +29,31 @@ impl Complaint {
     }
 }
 
+/// Whether the law calls one of its parameters so.
+fn is_of(law: &Law<f64>, parameter: &str) -> bool {
+    let own = LAWS.iter().find(|(id, _)| *id == law.id());
+    own.is_some_and(|(_, about)| about.parameters.iter().any(|p| p.name == parameter))
+}
+
 /// A refusal in the words of the file instead of the law's.
 pub(crate) fn name_in_file(law: &Law<f64>, refused: Invalid) -> Invalid {
-    let parameter = match (law.id(), refused.parameter) {
-        (_, "c_p" | "limit_p" | "level_p") => "f_dynamic_p",
-        (_, "c_n" | "limit_n" | "level_n") => "f_dynamic_n",
-        (_, "d_p" | "static_p") => "f_static_p",
-        (_, "d_n" | "static_n") => "f_static_n",
-        (_, "b_p" | "viscous_p") => "damping_p",
-        (_, "b_n" | "viscous_n") => "damping_n",
-        (_, "delta_v") => "dv",
-        ("dahl", "viscous") | ("lugre", "sigma_2") => "damping",
-        ("lugre", "sigma_0") => "sigma",
-        ("lugre", "coulomb") => "f_dynamic",
-        ("lugre", "stiction") => "f_static",
-        (_, other) => other,
+    let even = !matches!(law.kind(), LawKind::Karnopp | LawKind::Coulomb);
+    let parameter = match refused.parameter {
+        "c_p" | "limit_p" | "level_p" => "f_dynamic_p",
+        "c_n" | "limit_n" | "level_n" => "f_dynamic_n",
+        "d_p" | "static_p" => "f_static_p",
+        "d_n" | "static_n" => "f_static_n",
+        "b_p" | "viscous_p" => "damping_p",
+        "b_n" | "viscous_n" => "damping_n",
+        "delta_v" | "knee" => "dv",
+        "viscous" | "sigma_2" if even => "damping",
+        "sigma_0" | "stiffness" => "sigma",
+        "coulomb" | "dynamic" | "level" => "f_dynamic",
+        "stiction" => "f_static",
+        // the rest of the static friction beyond the dynamic one
+        own if is_of(law, own) && !Surface::<f64>::NAMES.contains(&own) => "f_static",
+        "fallen" | "critical_velocity" => "stribeck_velocity",
+        other => other,
     };
     Invalid { parameter, ..refused }
 }

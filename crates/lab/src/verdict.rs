@@ -126,6 +126,7 @@ fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> S
     let choices: Vec<&'static str> = match p.name {
         "law" => haptics::LawKind::ALL.iter().map(|law| law.id()).collect(),
         "renderer" => haptics::RendererKind::ON_BOARD.iter().map(|renderer| renderer.id()).collect(),
+        "adhesion" => friction::Adhesion::ALL.map(|(id, _)| id).to_vec(),
         "passivity" => vec!["off", "on"],
         _ => Vec::new(),
     };

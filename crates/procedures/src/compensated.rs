@@ -13,7 +13,7 @@ use crate::watch::{Watch, record};
 use crate::{library, recordings::model_name};
 use client::{Event, Move, Plan, Session};
 use friction::effects::{EffectState, Scale};
-use friction::{Dimension, Law, Motion};
+use friction::{Dimension, Law, Motion, Surface};
 use haptics::{Compensation, Device, Wave, compensation::MAX_FED};
 use identify::{Model, Preprocess, prepare};
 use serde::Serialize;
@@ -59,12 +59,8 @@ fn rounded(x: f64) -> f32 {
 
 /// Sliding levels and the smaller damping of a law.
 fn levels(law: &Law<f64>) -> [f64; 3] {
-    match law {
-        Law::Karnopp(k) => [k.c_p, k.c_n, k.b_p.min(k.b_n)],
-        Law::Coulomb(c) => [c.level_p, c.level_n, c.viscous_p.min(c.viscous_n)],
-        Law::Dahl(d) => [d.limit_p, d.limit_n, d.viscous],
-        Law::LuGre(l) => [l.coulomb, l.coulomb, l.sigma_2],
-    }
+    let surface = Surface::of(law);
+    [surface.dynamic_p, surface.dynamic_n, surface.damping_p.min(surface.damping_n)]
 }
 
 impl FeedForward {

@@ -33,7 +33,7 @@ fn every_law_holds_below_break_away_without_creep() {
                 // rigid: not the last bit moves
                 Law::Karnopp(_) | Law::Coulomb(_) => assert_eq!((settled, end), (0.0, 0.0)),
                 // elastic: where the bristles balance the load, and no further
-                Law::Dahl(_) | Law::LuGre(_) => {
+                _ => {
                     let limit = if load > 0.0 { d_p } else { d_n };
                     let rest = -load.signum() * limit / 50_000.0 * (1.0 - load.abs() / limit).ln();
                     assert!(close(settled / rest, 1.0, 0.02), "{settled} against {rest}");

@@ -12,4 +12,5 @@ mod precision;
 mod robust;
 mod sliding;
 mod stopping;
+mod surface;
 mod symmetry;

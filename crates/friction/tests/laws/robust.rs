@@ -2,7 +2,7 @@
 
 use crate::common::{dahl, laws, lugre, rubber};
 use friction::effects::{Effect, EffectKind, EffectState};
-use friction::{Coulomb, Dahl, FrictionLaw, Karnopp, Law, LuGre, Motion};
+use friction::{Adhesion, Coulomb, Dahl, FrictionLaw, Karnopp, Law, LawKind, LuGre, Motion, Surface};
 use proptest::num;
 use proptest::prelude::*;
 
@@ -71,7 +71,31 @@ fn any_law() -> impl Strategy<Value = Law<f32>> {
             })
         },
     );
-    prop_oneof![karnopp, coulomb, dahl, lugre]
+    let numbers = (level(), level(), 0.0..1e6_f32, 1.0..1e6_f32, 1e-6..1e3_f32, 0.0..1.0_f32);
+    let others =
+        (4..LawKind::ALL.len(), numbers).prop_map(|(kind, (level, more, damping, sigma, speed, share))| {
+            let stiction = level.max(more);
+            let surface = Surface {
+                static_p: stiction,
+                static_n: stiction,
+                dynamic_p: level,
+                dynamic_n: level,
+                damping_p: damping,
+                damping_n: damping,
+                dv: speed,
+                sigma,
+                stribeck_velocity: speed,
+                elastic: 0.99 * share,
+                attraction: 1e6 * share,
+                memory: share,
+                dwell: 1e-6 + share,
+                steepness: 1.1 + 100.0 * share,
+                adhesion: Adhesion::ALL[(2.99 * share) as usize].1,
+                ..Surface::default()
+            };
+            surface.law(LawKind::ALL[kind])
+        });
+    prop_oneof![1 => karnopp, 1 => coulomb, 1 => dahl, 1 => lugre, 4 => others]
 }
 
 fn any_effect() -> impl Strategy<Value = Effect<f32>> {
@@ -108,6 +132,11 @@ proptest! {
                 Law::LuGre(l) if motion.dt > 0.0 => f64::from(l.stiction) + f64::from(l.sigma_2) * v
                     + f64::from(l.sigma_1) * 2.0 * f64::from(l.stiction) / f64::from(l.sigma_0) / f64::from(motion.dt),
                 Law::LuGre(l) => f64::from(l.stiction) + f64::from(l.sigma_2) * v,
+                other => {
+                    let s = Surface::of(&other);
+                    // a fresh contact of bristles breaks away at 1.5 times its level
+                    1.5 * f64::from(s.static_p.max(s.dynamic_p)) * (1.0 + 1e-4) + f64::from(s.damping_p.max(s.damping_n)) * v
+                }
             };
             prop_assert!(f64::from(force.abs()) <= bound * (1.0 + 1e-6), "{law:?}: {force} N over {bound} N at {motion:?}");
             if let (Law::Dahl(d), friction::LawState::Dahl(s)) = (&law, &state) {

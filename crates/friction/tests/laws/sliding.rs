@@ -1,19 +1,12 @@
 //! The right force in steady sliding, and the right terminal velocity under a constant load.
 
 use crate::common::{Block, MASS, close, coulomb, dahl, laws, lugre, rubber};
-use friction::{FrictionLaw, Law, LuGre, Motion};
+use friction::{FrictionLaw, Law, LuGre, Motion, Surface};
 
 /// Level and viscous coefficient by direction, from the parameters alone.
 fn line(law: &Law<f64>, positive: bool) -> (f64, f64) {
-    match (law, positive) {
-        (Law::Karnopp(k), true) => (k.c_p, k.b_p),
-        (Law::Karnopp(k), false) => (k.c_n, k.b_n),
-        (Law::Coulomb(c), true) => (c.level_p, c.viscous_p),
-        (Law::Coulomb(c), false) => (c.level_n, c.viscous_n),
-        (Law::Dahl(d), true) => (d.limit_p, d.viscous),
-        (Law::Dahl(d), false) => (d.limit_n, d.viscous),
-        (Law::LuGre(l), _) => (l.coulomb, l.sigma_2),
-    }
+    let surface = Surface::of(law);
+    if positive { (surface.dynamic_p, surface.damping_p) } else { (surface.dynamic_n, surface.damping_n) }
 }
 
 #[test]

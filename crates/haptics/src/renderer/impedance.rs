@@ -8,8 +8,8 @@
 //! force that is known only through a spring [thesis, eq. 4.6 and 4.7]. The decision does not use the velocity, so there is
 //! no zero-crossing limit cycle.
 //!
-//! Dahl and LuGre act on the measured motion. They creep where Karnopp and Coulomb hold: both laws drift under a vibrating
-//! load, and an encoder that toggles across an edge is such a load.
+//! Any other law acts on the measured motion. Dahl and LuGre creep where Karnopp and Coulomb hold: both laws drift under a
+//! vibrating load, and an encoder that toggles across an edge is such a load.
 
 use super::{Handle, Rendered};
 use crate::Config;
@@ -60,13 +60,15 @@ impl Impedance {
         }
     }
 
-    /// Force of the spring of a stuck or dragged contact, N. 0 for a law with bristles.
+    /// Force of the spring of a stuck or dragged contact, N. 0 for a law that does not hold.
     pub(super) fn spring(&self, config: &Config, handle: &Handle) -> f32 {
         match (self.grip, config.law) {
-            (_, Law::Dahl(_) | Law::LuGre(_)) | (Grip::Sliding, Law::Karnopp(_)) => 0.0,
-            (Grip::Stuck { entered, preload }, _) => preload - config.stiffness * (handle.position - entered),
+            (Grip::Stuck { entered, preload }, Law::Karnopp(_) | Law::Coulomb(_)) => {
+                preload - config.stiffness * (handle.position - entered)
+            }
             // dragged along at its level
             (Grip::Sliding, Law::Coulomb(_)) => self.friction,
+            _ => 0.0,
         }
     }
 
@@ -105,7 +107,7 @@ impl Impedance {
                 };
                 self.clipped_spring(config, handle, &direction)
             }
-            Law::Dahl(_) | Law::LuGre(_) => {
+            _ => {
                 let friction = config.law.step(&mut self.law, &motion);
                 (-friction, handle.velocity.abs() < config.dv)
             }

@@ -16,7 +16,8 @@ pub use block::Block;
 pub use impedance::Impedance;
 
 use crate::{Config, RendererKind};
-use friction::{Law, LawState};
+use friction::FrictionLaw;
+use stopping_force::Levels;
 
 /// Measured motion of the handle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -92,12 +93,9 @@ impl Contact {
                 (config.stiffness * (handle.position - block.position), block.velocity, &block.law)
             }
         };
-        let bristles = match (&config.law, law) {
-            (Law::Dahl(law), LawState::Dahl(state)) => state.z * state.z / law.sigma,
-            (Law::LuGre(law), LawState::LuGre(state)) => law.sigma_0 * state.z * state.z,
-            _ => 0.0,
-        };
-        spring * spring * config.half_compliance + 0.5 * (config.mass * velocity * velocity + bristles)
+        spring * spring * config.half_compliance
+            + 0.5 * config.mass * velocity * velocity
+            + config.law.stored(law)
     }
 
     /// Takes `energy`, J, from the motion of a block, half of its speed at most.
@@ -115,16 +113,16 @@ impl Contact {
 
     /// One period: the force for the motion of the handle.
     pub fn step(&mut self, config: &Config, handle: &Handle) -> Rendered {
-        match self {
-            Self::Impedance(contact) => contact.step(config, handle),
-            Self::Block(block) if config.renderer == RendererKind::StoppingForce => {
-                block.step_stopping_force(config, handle)
-            }
+        let block = match self {
+            Self::Impedance(contact) => return contact.step(config, handle),
+            Self::Block(block) => block,
+        };
+        match (config.renderer, Levels::of(&config.law)) {
+            (RendererKind::StoppingForce, Some(levels)) => block.step_stopping_force(config, handle, levels),
             #[cfg(feature = "admittance")]
-            Self::Block(block) if config.renderer == RendererKind::Admittance => {
-                block.step_admittance(config, handle)
-            }
-            Self::Block(block) => block.step_virtual_coupling(config, handle),
+            (RendererKind::Admittance, _) => block.step_admittance(config, handle),
+            // a law that does not hold has no set-valued part
+            _ => block.step_virtual_coupling(config, handle),
         }
     }
 }

@@ -25,8 +25,8 @@
 //! * The same F_c acts on block and handle. In the period of a stop the block moves only until it stops, so friction
 //!   dissipates F·w̄ ≥ 0 in every period except one in which the block reverses.
 //!
-//! Other laws and effects: Karnopp and Coulomb are both levels and slopes here and render the same. A law with bristles (Dahl,
-//! LuGre) has no set-valued part and is stepped as under the virtual coupling. Effects that oppose motion
+//! Other laws and effects: Karnopp and Coulomb are both levels and slopes here and render the same. Any other law has no
+//! set-valued part and is stepped as under the virtual coupling. Effects that oppose motion
 //! ([`opposes_motion`]) are added to the levels, so that they also stop the block and never push it. All others act as
 //! external forces.
 //!
@@ -67,15 +67,15 @@ struct Solved {
 
 /// Levels against positive and negative motion.
 #[derive(Clone, Copy)]
-struct Levels {
+pub(super) struct Levels {
     p: Level,
     n: Level,
 }
 
 impl Levels {
-    /// Levels of a law that holds. `None` for a law with bristles.
+    /// Levels of a law that holds. `None` for a law that does not hold.
     #[inline(always)]
-    fn of(law: &Law<f32>) -> Option<Self> {
+    pub(super) fn of(law: &Law<f32>) -> Option<Self> {
         match law {
             Law::Karnopp(law) => Some(Self {
                 p: Level { hold: law.d_p, slide: law.c_p, viscous: law.b_p },
@@ -85,7 +85,7 @@ impl Levels {
                 p: Level { hold: law.static_p, slide: law.level_p, viscous: law.viscous_p },
                 n: Level { hold: law.static_n, slide: law.level_n, viscous: law.viscous_n },
             }),
-            Law::Dahl(_) | Law::LuGre(_) => None,
+            _ => None,
         }
     }
 
@@ -122,10 +122,12 @@ impl Levels {
 
 impl Block {
     /// One period of the equations above.
-    pub(super) fn step_stopping_force(&mut self, config: &Config, handle: &Handle) -> Rendered {
-        let Some(mut levels) = Levels::of(&config.law) else {
-            return self.step_virtual_coupling(config, handle);
-        };
+    pub(super) fn step_stopping_force(
+        &mut self,
+        config: &Config,
+        handle: &Handle,
+        mut levels: Levels,
+    ) -> Rendered {
         let (w, period, limit) = (self.velocity, config.device.period, config.device.force_max);
         let x = self.dither.settle(handle, config.device.metre_per_count, config.count_per_metre);
         let brake = self.dither.brake(handle, config.edge_damping);

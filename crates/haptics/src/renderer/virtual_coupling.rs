@@ -26,8 +26,8 @@ impl Block {
         self.position += self.displacement;
         let stuck = match config.law {
             Law::Karnopp(_) | Law::Coulomb(_) => rests,
-            // a block held by bristles is never exactly at rest
-            Law::Dahl(_) | Law::LuGre(_) => self.velocity.abs() < config.dv,
+            // a block held by bristles, or by none, is never exactly at rest
+            _ => self.velocity.abs() < config.dv,
         };
         Rendered {
             force: -coupling,

@@ -1,8 +1,10 @@
 //! Builds the configuration of the loop from settings.
 
-use super::{LawKind, Settings};
+#[cfg(feature = "admittance")]
+use super::LawKind;
+use super::Settings;
 use crate::{Config, Device, Refused};
-use friction::{Coulomb, Dahl, Karnopp, Law, LuGre};
+use friction::{Law, Surface};
 
 impl Settings {
     /// Validates, then builds the configuration. Warnings are ignored; see [`Settings::validate`].
@@ -30,39 +32,25 @@ impl Settings {
     /// The law with these parameters.
     #[must_use]
     pub fn friction_law(&self) -> Law<f32> {
-        match self.law {
-            LawKind::Karnopp => Law::Karnopp(Karnopp {
-                c_p: self.f_dynamic_p,
-                c_n: self.f_dynamic_n,
-                b_p: self.damping_p,
-                b_n: self.damping_n,
-                d_p: self.f_static_p,
-                d_n: self.f_static_n,
-                delta_v: self.dv,
-            }),
-            LawKind::Dahl => Law::Dahl(Dahl {
-                limit_p: self.f_dynamic_p,
-                limit_n: self.f_dynamic_n,
-                sigma: self.sigma,
-                exponent: 1.0,
-                viscous: self.damping_p,
-            }),
-            LawKind::Coulomb => Law::Coulomb(Coulomb {
-                level_p: self.f_dynamic_p,
-                level_n: self.f_dynamic_n,
-                static_p: self.f_static_p,
-                static_n: self.f_static_n,
-                viscous_p: self.damping_p,
-                viscous_n: self.damping_n,
-            }),
-            LawKind::LuGre => Law::LuGre(LuGre {
-                sigma_0: self.sigma,
-                sigma_1: self.sigma_1,
-                sigma_2: self.damping_p,
-                coulomb: self.f_dynamic_p,
-                stiction: self.f_static_p,
-                stribeck_velocity: self.stribeck_velocity,
-            }),
-        }
+        let surface = Surface {
+            static_p: self.f_static_p,
+            static_n: self.f_static_n,
+            dynamic_p: self.f_dynamic_p,
+            dynamic_n: self.f_dynamic_n,
+            damping_p: self.damping_p,
+            damping_n: self.damping_n,
+            dv: self.dv,
+            sigma: self.sigma,
+            sigma_1: self.sigma_1,
+            exponent: 1.0,
+            stribeck_velocity: self.stribeck_velocity,
+            elastic: self.elastic,
+            attraction: self.attraction,
+            memory: self.memory,
+            dwell: self.dwell,
+            steepness: self.steepness,
+            adhesion: self.adhesion,
+        };
+        surface.law(self.law)
     }
 }

@@ -3,6 +3,7 @@
 use super::parameters::SetWhy;
 use super::{Settings, Value};
 use crate::number;
+use friction::LawKind;
 use friction::effects::{Effect, EffectKind};
 
 /// Index of a parameter in the gains or in the shape of an effect.
@@ -21,20 +22,35 @@ pub(crate) fn slot(kind: EffectKind, parameter: &str) -> Option<Slot> {
 #[must_use]
 pub fn effect_cycles(kind: EffectKind) -> u32 {
     match kind {
-        EffectKind::Spring => 80,
-        EffectKind::Offset => 90,
+        EffectKind::Spring => 90,
+        EffectKind::Offset => 100,
         EffectKind::NonlinearSpring | EffectKind::HardStop | EffectKind::QuadraticDrag => 120,
         EffectKind::LoadDependentFriction => 130,
         EffectKind::PositionDependentFriction => 160,
-        EffectKind::FrictionDrift | EffectKind::Presliding => 250,
-        EffectKind::Gravity => 330,
-        EffectKind::TorqueRipple => 370,
-        EffectKind::PeriodicFriction => 370,
-        EffectKind::Cogging => 400,
-        EffectKind::RisingStaticFriction => 350,
+        EffectKind::FrictionDrift | EffectKind::Presliding => 270,
+        EffectKind::Gravity => 340,
+        EffectKind::TorqueRipple => 390,
+        EffectKind::PeriodicFriction => 390,
+        EffectKind::Cogging => 420,
+        EffectKind::RisingStaticFriction => 390,
         EffectKind::FrictionalLag => 560,
-        EffectKind::Stribeck | EffectKind::SublinearViscous => 600,
-        _ => 800,
+        EffectKind::Stribeck | EffectKind::SublinearViscous => 620,
+        _ => 860,
+    }
+}
+
+/// Cycles that a control step on the NUCLEO-G474RE takes more when it has any effect, beside those of the effect.
+pub const EFFECTS_CYCLES: u32 = 150;
+
+/// Cycles of a control step on the NUCLEO-G474RE at worst, rounded up, that a law takes beyond a tenth of the period at 10 kHz, in
+/// which the others stay. `tests/elf/cycles.rs` measures them.
+#[must_use]
+pub fn law_cycles(kind: LawKind) -> u32 {
+    match kind {
+        LawKind::MaxwellSlip => 350,
+        LawKind::ElastoPlastic => 1_040,
+        LawKind::Bristle => 350,
+        _ => 0,
     }
 }
 

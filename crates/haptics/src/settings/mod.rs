@@ -5,51 +5,17 @@ mod effects;
 mod parameters;
 mod validate;
 
-pub use effects::{PASSIVITY_CYCLES, effect_cycles};
+pub use effects::{EFFECTS_CYCLES, PASSIVITY_CYCLES, effect_cycles, law_cycles};
 pub(crate) use effects::{Slot, slot};
 pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, SetWhy, Value};
 
+use friction::Adhesion;
+pub use friction::LawKind;
 use friction::effects::Effect;
 use serde::{Deserialize, Serialize};
 
 /// Largest number of effects of a preset.
 pub const MAX_EFFECTS: usize = 4;
-
-/// Friction law of the contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum LawKind {
-    /// Modified Karnopp, [thesis, eq. 3.1].
-    #[default]
-    Karnopp,
-    /// Modified Dahl, [thesis, eq. 3.2, 3.3].
-    Dahl,
-    /// Coulomb as a stopping force.
-    Coulomb,
-    /// LuGre.
-    LuGre,
-}
-
-impl LawKind {
-    /// All variants.
-    pub const ALL: &'static [Self] = &[Self::Karnopp, Self::Dahl, Self::Coulomb, Self::LuGre];
-
-    /// Name as typed.
-    #[must_use]
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Karnopp => "karnopp",
-            Self::Dahl => "dahl",
-            Self::Coulomb => "coulomb",
-            Self::LuGre => "lugre",
-        }
-    }
-
-    /// The law with this name.
-    #[must_use]
-    pub fn from_id(id: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|law| law.id() == id)
-    }
-}
 
 /// Renderer of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -126,7 +92,8 @@ pub struct Settings {
     pub damping_p: f32,
     /// Viscous damping against negative motion, N·s/m.
     pub damping_n: f32,
-    /// Δv, half-width of the stuck velocity band of Karnopp's law, m/s.
+    /// Δv, half-width of the stuck velocity band of Karnopp's law, m/s. Of the classic law, the speed at which static friction
+    /// is reached.
     pub dv: f32,
     /// Mass of the virtual block, kg.
     pub mass: f32,
@@ -134,17 +101,29 @@ pub struct Settings {
     pub k_vc: f32,
     /// Damping of the virtual coupling, N·s/m. With the impedance renderer, of the stuck spring.
     pub b_vc: f32,
-    /// Bristle stiffness σ₀ of Dahl and LuGre, N/m.
+    /// Stiffness σ₀ of the contact before it slides, of a law with bristles, N/m.
     pub sigma: f32,
-    /// Bristle damping σ₁ of LuGre, N·s/m.
+    /// Bristle damping σ₁ of LuGre and of the elasto-plastic law, N·s/m.
     pub sigma_1: f32,
-    /// Stribeck velocity of LuGre, m/s.
+    /// Speed at which static friction has fallen to dynamic friction, m/s.
     pub stribeck_velocity: f32,
     /// Effects added to the law.
     pub effects: [Option<Effect<f32>>; MAX_EFFECTS],
     /// Whether energy that nothing stored is taken back before it leaves (passivity observer and controller).
     #[serde(default)]
     pub passivity: bool,
+    /// Elastic range of the elasto-plastic law as a share of the dynamic friction.
+    pub elastic: f32,
+    /// Rate at which a slipping element of Maxwell slip follows the level, N/s.
+    pub attraction: f32,
+    /// Time constant of the frictional memory of Armstrong's law, s.
+    pub memory: f32,
+    /// Time at rest after which static friction of Armstrong's law has risen by half, s.
+    pub dwell: f32,
+    /// Steepness at rest of Majd and Simaan's law.
+    pub steepness: f32,
+    /// The way in which Hayward and Armstrong's contact yields.
+    pub adhesion: Adhesion,
 }
 
 impl Default for Settings {

@@ -4,7 +4,7 @@ use super::{LawKind, RendererKind, Settings};
 use crate::number::{self, Text};
 use core::fmt;
 use friction::effects::EffectKind;
-use friction::{Dimension, Geometry, Unit};
+use friction::{Adhesion, Dimension, Geometry, Unit};
 
 /// Description of a parameter, as in `help`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,9 +142,10 @@ macro_rules! table {
     ($($name:literal, $dimension:ident, $field:ident, $what:literal;)*) => {
         /// Every stored parameter, in the order for users.
         pub const PARAMETERS: &[Parameter] = &[
-            Parameter { name: "law", dimension: None, what: "friction law: karnopp, dahl, coulomb or lugre" },
+            Parameter { name: "law", dimension: None, what: LawKind::WHAT },
             Parameter { name: "renderer", dimension: None, what: RENDERER },
             $(Parameter::number($name, Dimension::$dimension, $what),)*
+            Parameter { name: "adhesion", dimension: None, what: "way a contact yields (hayward_armstrong): stick_slide, stick_slip_slide, stick_creep_slip_slide" },
             Parameter { name: "passivity", dimension: None, what: "on: energy given to the hand that nothing stored is taken back; off" },
         ];
 
@@ -164,13 +165,18 @@ table! {
     "f_dynamic_n", FORCE, f_dynamic_n, "dynamic friction against negative motion (Dahl: limit)";
     "damping_p", DAMPING, damping_p, "viscous damping against positive motion";
     "damping_n", DAMPING, damping_n, "viscous damping against negative motion";
-    "dv", VELOCITY, dv, "speed treated as zero (karnopp)";
+    "dv", VELOCITY, dv, "speed treated as zero (karnopp), or at which static friction is reached (classic)";
     "mass", MASS, mass, "mass of the virtual block";
     "k_vc", STIFFNESS, k_vc, "stiffness of the virtual coupling (impedance: K_p)";
     "b_vc", DAMPING, b_vc, "damping of the virtual coupling (impedance: of the stuck spring)";
-    "sigma", STIFFNESS, sigma, "bristle stiffness (dahl, lugre)";
-    "sigma_1", DAMPING, sigma_1, "bristle damping (lugre)";
-    "stribeck_velocity", VELOCITY, stribeck_velocity, "speed at which static friction falls to dynamic (lugre)";
+    "sigma", STIFFNESS, sigma, "stiffness before sliding (laws with bristles: dahl to armstrong, bristle)";
+    "sigma_1", DAMPING, sigma_1, "bristle damping (lugre, elasto_plastic)";
+    "stribeck_velocity", VELOCITY, stribeck_velocity, "speed at which static friction falls to dynamic (lugre to majd_simaan)";
+    "elastic", NUMBER, elastic, "elastic range, share of f_dynamic (elasto_plastic)";
+    "attraction", FORCE_RATE, attraction, "rate at which a slipping element follows the level (maxwell_slip)";
+    "memory", TIME, memory, "time constant of the frictional memory (armstrong)";
+    "dwell", TIME, dwell, "time at rest after which static friction has risen by half (armstrong)";
+    "steepness", NUMBER, steepness, "steepness at rest (majd_simaan)";
 }
 
 /// The words of a switch.
@@ -205,6 +211,7 @@ impl Settings {
         match name {
             "law" => Some(Value::Word(self.law.id())),
             "renderer" => Some(Value::Word(self.renderer.id())),
+            "adhesion" => Some(Value::Word(self.adhesion.id())),
             "passivity" => Some(Value::Word(if self.passivity { ON } else { OFF })),
             _ => {
                 if let Some((p, n)) = directions(name) {
@@ -229,12 +236,16 @@ impl Settings {
         let fail = |why| SetError { name, value, why };
         match name {
             "law" => {
-                let words = SetWhy::NotOneOf("karnopp, dahl, coulomb, lugre");
+                let words = SetWhy::NotOneOf(LawKind::IDS);
                 self.law = LawKind::from_id(value).ok_or(fail(words))?;
             }
             "renderer" => {
                 let words = SetWhy::NotOneOf(RENDERERS);
                 self.renderer = RendererKind::from_id(value).ok_or(fail(words))?;
+            }
+            "adhesion" => {
+                let words = SetWhy::NotOneOf(Adhesion::IDS);
+                self.adhesion = Adhesion::from_id(value).ok_or(fail(words))?;
             }
             "passivity" => {
                 self.passivity = match value {

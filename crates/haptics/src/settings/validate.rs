@@ -1,10 +1,10 @@
 //! Validation with physics: an unsafe value is refused with the number that would be accepted, an unfaithful one is accepted
 //! with a warning.
 
-use super::{LawKind, PASSIVITY_CYCLES, RendererKind, Settings, effect_cycles};
+use super::{EFFECTS_CYCLES, LawKind, PASSIVITY_CYCLES, RendererKind, Settings, effect_cycles, law_cycles};
 use crate::{Accepted, Device, Reason, Refused, Warning, bounds, number};
 use friction::effects::{Effect, EffectKind, EffectState, Scale};
-use friction::{Dimension, Motion};
+use friction::{Dimension, Law, Motion};
 
 /// Largest mass of a virtual block, kg. This and the next are those of the default device.
 const HEAVIEST: f32 = 100.0;
@@ -88,6 +88,8 @@ impl Settings {
         self.free_block(device, self.k_vc)?;
         self.bristles(device)?;
         self.damping(device)?;
+        self.own()?;
+        self.curve(device)?;
         self.check_effects(device)?;
         Ok(self.unfaithful(device))
     }
@@ -98,9 +100,9 @@ impl Settings {
         within("f_dynamic_p", self.f_dynamic_p, 0.0, most, why)?;
         within("f_dynamic_n", self.f_dynamic_n, 0.0, most, why)?;
         let static_why = Reason::of(Dimension::FORCE, "from dynamic friction to the limit of the actuator");
-        // Dahl does not use its static friction, but a switch of law must find a valid number
-        let dahl = self.law == LawKind::Dahl;
-        let low = |dynamic: f32| if dahl { 0.0 } else { dynamic };
+        // some laws do not use their static friction, but a switch of law must find a valid number
+        let takes = self.law.takes("f_static") || self.law.takes("f_static_p");
+        let low = |dynamic: f32| if takes { dynamic } else { 0.0 };
         within("f_static_p", self.f_static_p, low(self.f_dynamic_p), most, static_why)?;
         within("f_static_n", self.f_static_n, low(self.f_dynamic_n), most, static_why)
     }
@@ -129,49 +131,82 @@ impl Settings {
         for (name, value, dynamic) in
             [("damping_p", self.damping_p, self.f_dynamic_p), ("damping_n", self.damping_n, self.f_dynamic_n)]
         {
-            // the single level of a bristle law must not be lowered by a slope that the law does not bound
-            let lowest = match self.law {
-                LawKind::Karnopp | LawKind::Coulomb => -at_most(dynamic / device.overspeed),
-                LawKind::Dahl | LawKind::LuGre => 0.0,
-            };
+            // the level of any other law must not be lowered by a slope that the law does not bound
+            let lowest = if self.law.holds() { -at_most(dynamic / device.overspeed) } else { 0.0 };
             within(name, value, lowest, at_most(high), why)?;
         }
-        let one = |parameter, value: f32, other: f32, why| {
-            if value == other {
+        // where a law has one value for both directions
+        let one = |alias, parameter, value: f32, other: f32, why| {
+            if value == other || !self.law.takes(alias) {
                 Ok(())
             } else {
                 refuse(parameter, value, Accepted::Between(other, other), why)
             }
         };
-        match self.law {
-            LawKind::Karnopp | LawKind::Coulomb => Ok(()),
-            LawKind::Dahl => one(
-                "damping_n",
-                self.damping_n,
-                self.damping_p,
-                Reason::of(Dimension::DAMPING, "dahl has one damping"),
-            ),
-            LawKind::LuGre => {
-                one(
-                    "f_static_n",
-                    self.f_static_n,
-                    self.f_static_p,
-                    Reason::of(Dimension::FORCE, "lugre has one static friction"),
-                )?;
-                one(
-                    "f_dynamic_n",
-                    self.f_dynamic_n,
-                    self.f_dynamic_p,
-                    Reason::of(Dimension::FORCE, "lugre has one dynamic friction"),
-                )?;
-                one(
-                    "damping_n",
-                    self.damping_n,
-                    self.damping_p,
-                    Reason::of(Dimension::DAMPING, "lugre has one damping"),
-                )
-            }
+        let force = |what| Reason::of(Dimension::FORCE, what);
+        one(
+            "f_static",
+            "f_static_n",
+            self.f_static_n,
+            self.f_static_p,
+            force("this law has one static friction"),
+        )?;
+        one(
+            "f_dynamic",
+            "f_dynamic_n",
+            self.f_dynamic_n,
+            self.f_dynamic_p,
+            force("this law has one dynamic friction"),
+        )?;
+        one(
+            "damping",
+            "damping_n",
+            self.damping_n,
+            self.damping_p,
+            Reason::of(Dimension::DAMPING, "this law has one damping"),
+        )
+    }
+
+    /// Checks what only some laws take, for each law: a switch of law must find valid numbers.
+    fn own(&self) -> Result<(), Refused> {
+        let number = |parameter, value, low, high, dimension| {
+            within(parameter, value, low, high, Reason::of(dimension, ""))
+        };
+        number("elastic", self.elastic, 0.0, 0.99, Dimension::NUMBER)?;
+        number("attraction", self.attraction, 0.0, 1e9, Dimension::FORCE_RATE)?;
+        number("memory", self.memory, 0.0, 1e3, Dimension::TIME)?;
+        number("dwell", self.dwell, 1e-6, 1e6, Dimension::TIME)?;
+        number("steepness", self.steepness, 1.001, 1e6, Dimension::NUMBER)
+    }
+
+    /// Damping of a law that is one curve of speed, by its steepest slope, which is that at rest, N·s/m.
+    fn slope_at_rest(&self) -> f32 {
+        match self.friction_law() {
+            Law::Classic(law) => law.stiction / law.knee,
+            Law::MajdSimaan(law) => law.slope_at_rest(),
+            _ => 0.0,
         }
+    }
+
+    /// Checks the steepness of a curve of speed: at rest it is a damper.
+    fn curve(&self, device: &Device) -> Result<(), Refused> {
+        let slope = self.slope_at_rest();
+        let most = match self.renderer {
+            RendererKind::Impedance => Self::damping_cap(device),
+            _ => Self::damping_cap(device).min(self.room(device, 0.0)),
+        };
+        // a block without room is refused by its mass
+        if slope <= most || slope == 0.0 {
+            return Ok(());
+        }
+        let (parameter, value, viscous) = match self.law {
+            LawKind::Classic => ("dv", self.dv, 0.0),
+            _ => ("stribeck_velocity", self.stribeck_velocity, self.damping_p),
+        };
+        let why = Reason::of(Dimension::VELOCITY, "below, the curve is steeper at rest than a period allows");
+        // the slope beyond the viscous one falls with the speed; a margin for what rounding and the stiction take
+        let slowest = at_least(value * (slope - viscous) / (most - viscous) * HEAVIER);
+        refuse(parameter, value, Accepted::AtLeast(slowest), why)
     }
 
     /// Checks the handle held by spring and damper: [thesis, eq. 4.18] extended by B.
@@ -200,18 +235,17 @@ impl Settings {
 
     /// Stiffness of the bristles, N/m. 0 for a law without bristles.
     fn bristle_stiffness(&self) -> f32 {
-        if matches!(self.law, LawKind::Dahl | LawKind::LuGre) { self.sigma } else { 0.0 }
+        if self.law.takes("sigma") { self.sigma } else { 0.0 }
     }
 
     /// Damping of the bristles, N·s/m. 0 for a law without bristles.
     fn bristle_damping(&self) -> f32 {
-        if self.law == LawKind::LuGre { self.sigma_1 } else { 0.0 }
+        if self.law.takes("sigma_1") { self.sigma_1 } else { 0.0 }
     }
 
     /// Whether the coupling acts on the block in the middle of the period. Bristles are stepped as under the virtual coupling.
     fn midpoint(&self) -> bool {
-        self.renderer == RendererKind::StoppingForce
-            && matches!(self.law, LawKind::Karnopp | LawKind::Coulomb)
+        self.renderer == RendererKind::StoppingForce && self.law.holds()
     }
 
     /// Effective mass in [thesis, eq. 4.35] per mass of the block. A free handle yields, which increases the effect of the
@@ -243,7 +277,7 @@ impl Settings {
         let period = device.period;
         // laws without bristles do not use these, but a switch of law must find valid numbers
         let (mut sigma_most, mut sigma_1_most) = (1e9, 1e6);
-        if matches!(self.law, LawKind::Dahl | LawKind::LuGre) {
+        if self.law.takes("sigma") {
             let inner = self.bristle_damping();
             sigma_1_most = at_most(Self::damping_cap(device));
             sigma_most = match self.renderer {
@@ -274,7 +308,7 @@ impl Settings {
     /// Whether the coupling does not move the block: neither it nor bristles do.
     #[cfg(feature = "admittance")]
     fn ignores_the_coupling(&self) -> bool {
-        self.renderer == RendererKind::Admittance && matches!(self.law, LawKind::Karnopp | LawKind::Coulomb)
+        self.renderer == RendererKind::Admittance && self.law.holds()
     }
 
     /// Whether the coupling does not move the block.
@@ -363,13 +397,16 @@ impl Settings {
             self.check_slope(effect, device).map_err(named)?;
         }
         let observer = if self.passivity { PASSIVITY_CYCLES } else { 0 };
+        let having = if self.effects.iter().any(Option::is_some) { EFFECTS_CYCLES } else { 0 };
         let cycles = observer
+            + having
+            + law_cycles(self.law)
             + device.compensation.cycles()
             + self.effects.iter().flatten().map(|effect| effect_cycles(effect.kind)).sum::<u32>();
         if cycles > device.effect_cycles {
             return Err(Refused {
                 effect: None,
-                parameter: "cycles of the effects",
+                parameter: "cycles of law and effects",
                 value: cycles as f32,
                 accepted: Accepted::AtMost(device.effect_cycles as f32),
                 why: Reason::plain("the force of a longer step comes out late; switch an effect `off`"),

@@ -4,10 +4,13 @@ use super::name::{MAX_SAVED, ShortName, long, short};
 use haptics::Settings;
 use serde::{Deserialize, Serialize};
 
-/// Format of the items. 2 has `passivity` behind what 1 has. Items of a later format are not read.
-const FORMAT: u8 = 2;
-/// Formats that are read. What an earlier one lacks stands at the end of the item, and is off where it is zero.
-const READ: core::ops::RangeInclusive<u8> = 1..=FORMAT;
+/// Format of the items. 2 has `passivity` behind what 1 has, 3 has what only some laws take behind that. Items of a later
+/// format are not read.
+const FORMAT: u8 = 3;
+/// Bytes that an item lacks which was saved in the format 1 or 2. They stand at the end of a preset.
+const LACKS: [(u8, usize); 2] = [(1, 1 + OF_LAWS), (2, OF_LAWS)];
+/// Bytes of the five numbers and the one choice that only some laws take.
+const OF_LAWS: usize = 5 * 4 + 1;
 /// Longest item, bytes.
 pub const MAX_ITEM: usize = 256;
 /// Key of the item that names the default. Presets have the smaller keys.
@@ -54,19 +57,31 @@ impl Item {
     /// Decodes an item. `None` for another format or invalid bytes.
     pub(super) fn decode(bytes: &[u8]) -> Option<Self> {
         let (format, content) = bytes.split_first()?;
+        let lacks = match LACKS.iter().find(|(earlier, _)| earlier == format) {
+            Some((_, lacks)) => *lacks,
+            None if *format == FORMAT => 0,
+            None => return None,
+        };
         let mut padded = [0; MAX_ITEM];
         padded.get_mut(..content.len())?.copy_from_slice(content);
-        let content = if *format == FORMAT { content } else { padded.get(..=content.len())? };
-        if !READ.contains(format) {
-            return None;
-        }
-        Some(match postcard::from_bytes(content).ok()? {
+        let (written, rest) =
+            postcard::take_from_bytes(padded.get(..content.len().checked_add(lacks)?)?).ok()?;
+        Some(match written {
             Written::Empty => Self::Empty,
-            Written::Saved(name, settings) => Self::Saved(short(name)?, settings),
+            // of an earlier format exactly what it lacks is added
+            Written::Saved(..) if !rest.is_empty() => return None,
+            Written::Saved(name, saved) if lacks == 0 => Self::Saved(short(name)?, saved),
+            Written::Saved(name, saved) => Self::Saved(short(name)?, of_an_earlier_format(saved)),
             Written::Default(None) => Self::Default(None),
             Written::Default(Some(name)) => Self::Default(Some(short(name)?)),
         })
     }
+}
+
+/// The preset with what its format lacked: no passivity controller is zero, the others are what a built-in preset has.
+fn of_an_earlier_format(saved: Settings) -> Settings {
+    let Settings { elastic, attraction, memory, dwell, steepness, adhesion, .. } = Settings::default();
+    Settings { elastic, attraction, memory, dwell, steepness, adhesion, ..saved }
 }
 
 /// Item that a preset command needs stored.

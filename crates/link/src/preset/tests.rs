@@ -146,7 +146,7 @@ fn the_format_of_a_saved_preset_is_what_devices_hold() {
     let item = PresetStore::new().save("x-1", &settings).unwrap();
     let hex: Text = item.encode(&mut buffer).iter().map(|byte| format!("{byte:02x}")).collect();
     std::println!("{hex}");
-    assert_eq!(hex, FORMAT_2);
+    assert_eq!(hex, FORMAT_3);
     let on = Settings { passivity: true, ..settings };
     let hex: Text = PresetStore::new()
         .save("x-1", &on)
@@ -155,28 +155,43 @@ fn the_format_of_a_saved_preset_is_what_devices_hold() {
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect();
-    assert_eq!(hex, format!("{}01", &FORMAT_2[..FORMAT_2.len() - 2]));
+    let at = FORMAT_3.len() - 2 * OF_LAWS;
+    assert_eq!(hex, format!("{}01{}", &FORMAT_3[..at - 2], &FORMAT_3[at..]));
+    let laws: Vec<_> = (0..haptics::LawKind::ALL.len())
+        .filter_map(|at| postcard::from_bytes::<haptics::LawKind>(&[at as u8]).ok())
+        .map(|law| law.id())
+        .collect();
+    assert_eq!(laws.join(" "), LAWS_3);
     let kinds: Vec<_> = EffectKind::ALL.iter().map(|kind| kind.id()).collect();
     assert_eq!(kinds.join(" "), KINDS_1);
 }
 
-/// An item that a device saved before `passivity` was there.
+/// Items that a device saved before `passivity`, and before some of the laws, were there.
 #[test]
-fn presets_of_the_first_format_are_read() {
-    let bytes: Vec<u8> = (0..FORMAT_1.len() / 2)
-        .map(|k| u8::from_str_radix(&FORMAT_1[2 * k..2 * k + 2], 16).expect("hexadecimal"))
-        .collect();
-    let mut store = PresetStore::new();
-    store.load(3, &bytes);
-    let settings = store.find("x-1").expect("it is read");
-    assert!(!settings.passivity && store.unreadable() == 0);
-    assert_eq!(settings, Settings { dv: 0.25, effects: settings.effects, ..Settings::rubber() });
-    assert_eq!(settings.effects[1].map(|effect| effect.gains[0]), Some(1.0));
-    // cut short, it is not
-    store.load(3, &bytes[..bytes.len() - 2]);
-    assert_eq!(store.unreadable(), 1);
+fn presets_of_earlier_formats_are_read() {
+    for earlier in [FORMAT_1, FORMAT_2] {
+        let bytes: Vec<u8> = (0..earlier.len() / 2)
+            .map(|k| u8::from_str_radix(&earlier[2 * k..2 * k + 2], 16).expect("hexadecimal"))
+            .collect();
+        let mut store = PresetStore::new();
+        store.load(3, &bytes);
+        let settings = store.find("x-1").expect("it is read");
+        assert!(!settings.passivity && store.unreadable() == 0);
+        assert_eq!(settings, Settings { dv: 0.25, effects: settings.effects, ..Settings::rubber() });
+        assert_eq!(settings.effects[1].map(|effect| effect.gains[0]), Some(1.0));
+        // cut short, or longer than its format, it is not
+        store.load(3, &bytes[..bytes.len() - 2]);
+        assert_eq!(store.unreadable(), 1);
+        store.load(4, &[&bytes[..], &[0]].concat());
+        assert_eq!(store.unreadable(), 2);
+    }
 }
 
+/// Bytes that format 3 has behind `passivity`.
+const OF_LAWS: usize = 21;
+const LAWS_3: &str = "karnopp dahl coulomb lugre viscous classic majd_simaan bristle hayward_armstrong elasto_plastic \
+    maxwell_slip armstrong";
+const FORMAT_3: &str = "030103782d310001b37b7640cd3b3a40cc5d5f4010e92340a5bd0b419a77fe400000803e94f6c63e0000fa450000704100504347000020410ad7233c0001100000803f00000000000000000000000000000000000000400000003333333f00803b45000000000000803f0000204100";
 const FORMAT_2: &str = "020103782d310001b37b7640cd3b3a40cc5d5f4010e92340a5bd0b419a77fe400000803e94f6c63e0000fa450000704100504347000020410ad7233c0001100000803f0000000000000000000000000000000000000040000000";
 const FORMAT_1: &str = "010103782d310001b37b7640cd3b3a40cc5d5f4010e92340a5bd0b419a77fe400000803e94f6c63e0000fa450000704100504347000020410ad7233c0001100000803f00000000000000000000000000000000000000400000";
 const KINDS_1: &str = "stribeck sublinear_viscous quadratic_drag presliding frictional_lag rising_static_friction \

@@ -1,7 +1,7 @@
 //! A block on a surface, the example laws, and the paths they are tested on.
 #![allow(dead_code)] // each test file uses its own part
 
-use friction::{Coulomb, Dahl, FrictionLaw, Karnopp, Law, LuGre, Motion, Scalar};
+use friction::{Coulomb, Dahl, FrictionLaw, Karnopp, Law, LuGre, Motion, Scalar, Surface};
 
 /// Aluminium on rubber, [thesis, table 3-3] run 1.
 pub fn rubber() -> Karnopp<f64> {
@@ -35,6 +35,24 @@ pub fn lugre() -> LuGre<f64> {
         coulomb: 3.0,
         stiction: 3.4,
         stribeck_velocity: 0.01,
+    }
+}
+
+/// A contact that every law can describe.
+pub fn surface() -> Surface<f64> {
+    Surface {
+        static_p: 3.4,
+        static_n: 3.4,
+        dynamic_p: 3.0,
+        dynamic_n: 3.0,
+        damping_p: 9.0,
+        damping_n: 9.0,
+        dv: 0.005,
+        sigma: 50_000.0,
+        sigma_1: 60.0,
+        memory: 2e-3,
+        dwell: 0.5,
+        ..Surface::default()
     }
 }
 
