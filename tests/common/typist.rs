@@ -21,6 +21,13 @@ const PARAMETERS: &[&str] = &[
     "b_vc",
     "sigma",
     "sigma_1",
+    "stribeck_velocity",
+    "elastic",
+    "attraction",
+    "memory",
+    "dwell",
+    "steepness",
+    "adhesion",
     "law",
     "renderer",
     "passivity",
@@ -28,8 +35,26 @@ const PARAMETERS: &[&str] = &[
     "cogging",
     "nothing",
 ];
-const WORDS: &[&str] =
-    &["karnopp", "dahl", "lugre", "coulomb", "on", "off", "impedance", "stopping_force", "virtual_coupling"];
+const WORDS: &[&str] = &[
+    "karnopp",
+    "dahl",
+    "lugre",
+    "coulomb",
+    "elasto_plastic",
+    "maxwell_slip",
+    "hayward_armstrong",
+    "armstrong",
+    "majd_simaan",
+    "classic",
+    "bristle",
+    "viscous",
+    "stick_slip_slide",
+    "on",
+    "off",
+    "impedance",
+    "stopping_force",
+    "virtual_coupling",
+];
 const PRESETS: &[&str] = &["brass", "rubber", "teflon", "viscous", "a", "b", "identified", "nowhere"];
 const SETTINGS: &[&str] = &[
     "stroke",

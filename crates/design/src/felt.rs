@@ -87,7 +87,7 @@ mod tests {
     fn every_law_slides_at_its_dynamic_level() {
         let device = Device::default();
         for law in LawKind::ALL {
-            let base = Settings::brass();
+            let base = Settings { stribeck_velocity: 2e-3, dv: 1e-3, ..Settings::brass() };
             let settings = Settings {
                 law: *law,
                 damping_n: base.damping_p,
@@ -96,10 +96,19 @@ mod tests {
                 ..base
             };
             let felt = felt_over_speed(&settings, &device, &[-0.08, -0.03, 0.03, 0.08]);
-            println!("{:8} {felt:?}", law.id());
+            println!("{:17} {felt:?}", law.id());
+            // the classic law counts its viscous part from where friction has fallen; six bonds snap at random
+            let from = if *law == LawKind::Classic { settings.stribeck_velocity } else { 0.0 };
+            let level = if *law == LawKind::Viscous { 0.0 } else { settings.f_dynamic_p };
+            let tolerance = if *law == LawKind::Bristle { 0.1 } else { 0.02 };
             for (force, velocity) in felt.iter().zip([-0.08, -0.03, 0.03, 0.08_f32]) {
-                let expected = velocity.signum() * settings.f_dynamic_p + settings.damping_p * velocity;
-                assert!((force - expected).abs() < 0.02, "{}: {force} N, expected {expected} N", law.id());
+                let expected =
+                    velocity.signum() * level + settings.damping_p * (velocity - velocity.signum() * from);
+                assert!(
+                    (force - expected).abs() < tolerance,
+                    "{}: {force} N, expected {expected} N",
+                    law.id()
+                );
             }
         }
     }

@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn effects_beyond_the_time_of_a_step_are_left_out() {
-        let device = Device { effect_cycles: 700, ..Device::default() };
+        let device = Device { effect_cycles: 900, ..Device::default() };
         let mut found = lines(&RUBBER);
         found.extend(lines(&[
             ("stribeck.force_p", "0.7"),
@@ -172,6 +172,6 @@ mod tests {
         let body = renderable(&found, &Settings::brass(), &device).expect("the rest");
         println!("{:?}", body.left_out);
         assert_eq!(body.left_out.len(), 1);
-        assert!(body.left_out[0].why.starts_with("cycles of law and effects = 1080: accepted up to 700"));
+        assert!(body.left_out[0].why.starts_with("cycles of law and effects = 1280: accepted up to 900"));
     }
 }

@@ -4,7 +4,6 @@ import { wire } from "./wire.js";
 
 const $ = (id) => document.getElementById(id);
 const LEVELS = { stable: "✓ Stable", unfaithful: "! Stable, but not faithful", refused: "✕ The device would refuse this" };
-const BASIC = ["law", "renderer", "f_static_p", "f_static_n", "f_dynamic_p", "f_dynamic_n", "damping_p", "damping_n", "dv", "mass", "k_vc", "b_vc", "passivity"];
 
 let known = null;
 let pending = new Map();
@@ -60,18 +59,10 @@ function propose() {
   else { judged = null; show(); }
 }
 
-/** Parameters that the active law does not use are kept out of the way. */
-function used(p, law, renderer) {
-  if (p.name === "dv") return law === "karnopp" && renderer !== "stopping_force";
-  if (p.name.includes(".") || BASIC.includes(p.name)) return true;
-  return law === "lugre" || (law === "dahl" && p.name === "sigma");
-}
-
 function show() {
   const verdict = judged ?? known.verdict;
   const form = $("parameters");
-  const now = (name) => pending.get(name) ?? known.verdict.parameters.find((p) => p.name === name)?.value;
-  const shown = verdict.parameters.filter((p) => used(p, now("law"), now("renderer")));
+  const shown = verdict.parameters.filter((p) => p.used);
   const names = shown.map((p) => p.name).join();
   if (form.dataset.names !== names) {
     form.dataset.names = names;

@@ -1,5 +1,6 @@
 //! Checks a set of parameters by the device's own validation before anything is sent.
 
+use friction::Surface;
 use friction::effects::EffectKind;
 use haptics::number::Text;
 use haptics::settings::{PARAMETERS, Parameter};
@@ -26,6 +27,8 @@ pub struct Shown {
     pub high: Option<f64>,
     /// Words accepted, for a choice.
     pub choices: Vec<&'static str>,
+    /// Whether law and renderer use it.
+    pub used: bool,
 }
 
 /// One bound of chapter 4 and where the settings stand.
@@ -122,6 +125,16 @@ fn tighten(settings: &Settings, device: &Device, name: &str, limit: f64) -> f64 
     if takes(typed) { typed } else { good }
 }
 
+/// Whether law and renderer use this parameter; those of effects, the block and its coupling always.
+fn used(settings: &Settings, name: &str) -> bool {
+    let law = settings.law;
+    let of_laws = name == "adhesion" || Surface::<f64>::NAMES.contains(&name);
+    let both = name.strip_suffix("_p").or(name.strip_suffix("_n")).unwrap_or(name);
+    // Karnopp's levels have no dead band under this renderer
+    let unused = name == "dv" && law.holds() && settings.renderer == haptics::RendererKind::StoppingForce;
+    !unused && (!of_laws || law.takes(name) || law.takes(both))
+}
+
 fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> Shown {
     let choices: Vec<&'static str> = match p.name {
         "law" => haptics::LawKind::ALL.iter().map(|law| law.id()).collect(),
@@ -133,7 +146,8 @@ fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> S
     let (low, high) = if choices.is_empty() { limits(settings, device, &name) } else { (None, None) };
     let value = settings.get(&name).map(|value| value.to_string()).unwrap_or_default();
     let unit = p.unit(device.geometry).map_or_else(String::new, |unit| unit.to_string());
-    Shown { name, unit, what: p.what, value, low, high, choices }
+    let used = used(settings, &name);
+    Shown { name, unit, what: p.what, value, low, high, choices, used }
 }
 
 /// Every parameter of these settings with its limits.

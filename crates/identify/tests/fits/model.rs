@@ -157,7 +157,7 @@ fn a_model_is_a_preset_the_device_takes() {
         let mut text = String::new();
         for p in Settings::PARAMETERS {
             let value = make().get(p.name).unwrap().to_string();
-            let word = matches!(p.name, "law" | "renderer" | "passivity");
+            let word = matches!(p.name, "law" | "renderer" | "adhesion" | "passivity");
             text += &if word {
                 format!("{} = \"{value}\"\n", p.name)
             } else {
