@@ -7,6 +7,10 @@ const BOARDS: [(&str, &str); 2] =
 /// Cargo features of sensors that the first board may have.
 const SENSORS: [&str; 3] = ["absolute-encoder", "index-pulse", "load-cell-converter"];
 
+/// The law that a board with such a sensor has no time for. Its code stays in flash there: CCM is full.
+const DEAR_LAW: &str =
+    "SECTIONS { .dear : { *(.text._ZN8friction3any*elasto_plastic*); } > FLASH } INSERT AFTER .text;";
+
 fn main() {
     println!("cargo:rerun-if-changed=memory.x");
     println!("cargo:rerun-if-changed=build.rs");
@@ -33,6 +37,8 @@ fn main() {
     println!("cargo:rerun-if-changed={regions}");
     let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     std::fs::copy("memory.x", format!("{out}/memory.x")).expect("memory.x lies beside Cargo.toml");
+    let dear = if absolute || index || converter { DEAR_LAW } else { "" };
+    std::fs::write(format!("{out}/dear_law.x"), dear).expect("the directory of this build");
     std::fs::copy(regions, format!("{out}/regions.x")).expect("each board has its regions");
     println!("cargo:rustc-link-search={out}");
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {

@@ -92,8 +92,8 @@ pub const LATCH_NS: u32 = 40_600;
 pub const DELAY_S: f32 = if cfg!(feature = "absolute-encoder") { 40e-6 } else { 20e-6 };
 /// Cycles that a dear law and effects may take: with the worst step they end before the force is latched. Sensors on a bus take some of them.
 pub const EFFECT_CYCLES: u32 = 1_200
-    - if cfg!(feature = "absolute-encoder") { 110 } else { 0 }
-    - if cfg!(feature = "load-cell-converter") { 240 } else { 0 };
+    - if cfg!(feature = "absolute-encoder") { 260 } else { 0 }
+    - if cfg!(feature = "load-cell-converter") { 360 } else { 0 };
 /// Address of bank 2 of the flash. The code is in bank 1.
 pub const BANK_2: u32 = 0x0804_0000;
 /// Address of the presets, the last 10 KiB.

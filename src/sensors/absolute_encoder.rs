@@ -51,6 +51,7 @@ impl<SPI: SpiDevice> AbsoluteEncoder<SPI> {
     ///
     /// # Errors
     /// A frame that cannot be trusted.
+    #[inline(always)] // in the control step
     pub fn angle(&mut self) -> Result<u32, NoAngle> {
         self.chip.read().map(counts)
     }

@@ -235,11 +235,16 @@ pub fn is_not_late(mut board: Board) {
             ("dv", "0.01"),
             ("renderer", renderer.id()),
         ];
+        let mut has_law = true;
         for (name, value) in contact.iter().chain(dearest) {
             let answer = board.ask(&format!("set {name} {value}")).swap_remove(0);
             if !answer.starts_with("ok") {
                 println!("{answer}");
+                has_law &= *name != "law";
             }
+        }
+        if !has_law {
+            continue;
         }
         let refused = board.ask("set sublinear_viscous.force_p 0.2").swap_remove(0);
         println!("{refused}");

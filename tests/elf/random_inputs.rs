@@ -240,7 +240,8 @@ impl Pair {
 
     /// Renders, after a fault again.
     fn render(&mut self) {
-        for _ in 0..20 {
+        // random readings leave wrong offsets of load cell and accelerometer, which the loop forgets with 4 s
+        for _ in 0..120 {
             self.style(Style::Rest);
             self.run(100.0);
             if self.follower.last.1 != 0 && !self.say("clear", Some(Typed::Ask(Request::ClearFault))) {
@@ -254,7 +255,8 @@ impl Pair {
                 return;
             }
         }
-        panic!("the fault cannot be left: {:?}", self.board.ask("fault"));
+        let told = ["fault", "status", "clear", "zero", "render on"].map(|line| self.board.ask(line));
+        panic!("the fault cannot be left: {told:?}");
     }
 
     /// So many samples under a style, rendering again after each fault.

@@ -69,5 +69,5 @@ pub use law::{Custom, FrictionLaw, Invalid, Motion, in_range};
 pub use lugre::{LuGre, LuGreState};
 pub use majd_simaan::MajdSimaan;
 pub use scalar::Scalar;
-pub use surface::Surface;
+pub use surface::{BOTH_DIRECTIONS, Surface, directions};
 pub use viscous::Viscous;

@@ -30,7 +30,7 @@ macro_rules! surface {
 
             /// The number with this name in a preset; `f_static`, `f_dynamic` and `damping` are those of positive motion.
             pub fn get(&self, name: &str) -> Option<S> {
-                match both(name).map_or(name, |both| both[0]) {
+                match directions(name).map_or(name, |[positive, _]| positive) {
                     $($name => Some(self.$field),)*
                     _ => None,
                 }
@@ -108,8 +108,17 @@ impl<S: Scalar> Default for Surface<S> {
     }
 }
 
-/// The names of both directions that an alias stands for.
-fn both(name: &str) -> Option<[&'static str; 2]> {
+/// Names that stand for both directions.
+pub const BOTH_DIRECTIONS: [&str; 3] = ["f_static", "f_dynamic", "damping"];
+
+/// The names of positive and negative motion for which a name of [`BOTH_DIRECTIONS`] stands.
+///
+/// ```
+/// assert_eq!(friction::directions("damping"), Some(["damping_p", "damping_n"]));
+/// assert_eq!(friction::directions("dv"), None);
+/// ```
+#[must_use]
+pub fn directions(name: &str) -> Option<[&'static str; 2]> {
     match name {
         "f_static" => Some(["f_static_p", "f_static_n"]),
         "f_dynamic" => Some(["f_dynamic_p", "f_dynamic_n"]),

@@ -5,7 +5,7 @@ use crate::model_curves;
 use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file, sensor_words};
 use friction::effects::{Effect, EffectKind, SeriesEffect, SeriesKind};
 use friction::parameters::OFFSET;
-use friction::{Adhesion, LawKind, Surface};
+use friction::{Adhesion, BOTH_DIRECTIONS, LawKind, Surface, directions};
 use signals::Geometry;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
@@ -24,13 +24,6 @@ const OPTIONAL: [&str; 10] = [
     "sigma_1",
     "memory",
     "adhesion",
-];
-
-/// Names that stand for both directions.
-const BOTH_DIRECTIONS: &[(&str, &[&str])] = &[
-    ("f_static", &["f_static_p", "f_static_n"]),
-    ("f_dynamic", &["f_dynamic_p", "f_dynamic_n"]),
-    ("damping", &["damping_p", "damping_n"]),
 ];
 
 /// Names of the numbers of `[preset]` that are not an effect's. `exponent` stands in `[model]`.
@@ -186,7 +179,8 @@ impl Reader<'_> {
     }
 
     fn preset(&mut self, entry: Entry) -> Result<(), Complaint> {
-        let both: &[&'static str] = match entry.key.as_str() {
+        let both = directions(&entry.key);
+        let names: &[&'static str] = match entry.key.as_str() {
             "law" => {
                 let ids: Vec<&str> = LawKind::ALL.iter().map(|law| law.id()).collect();
                 let id = self.word(&entry, &ids)?;
@@ -207,14 +201,14 @@ impl Reader<'_> {
                 self.model.coupling.passivity = Some(self.word(&entry, &["on", "off"])?);
                 return Ok(());
             }
-            name if let Some((_, both)) = BOTH_DIRECTIONS.iter().find(|(alias, _)| *alias == name) => both,
+            _ if let Some(both) = &both => both,
             name => match of_preset().find(|known| *known == name) {
                 Some(known) => &[known],
                 None => return self.effect(&entry),
             },
         };
         let value = self.number(&entry)?;
-        for name in both {
+        for name in names {
             self.numbers.insert(name, (value, entry.at));
         }
         Ok(())
@@ -223,8 +217,9 @@ impl Reader<'_> {
     fn effect(&mut self, entry: &Entry) -> Result<(), Complaint> {
         let Some((id, parameter)) = entry.key.split_once('.') else {
             let why = format!(
-                "no parameter `{}`: accepted are law, renderer, adhesion, passivity, f_static, f_dynamic, damping, {} and EFFECT.PARAMETER",
+                "no parameter `{}`: accepted are law, renderer, adhesion, passivity, {}, {} and EFFECT.PARAMETER",
                 entry.key,
+                BOTH_DIRECTIONS.join(", "),
                 of_preset().collect::<Vec<_>>().join(", ")
             );
             return Err(self.error(entry.at, why));
@@ -294,9 +289,9 @@ impl Reader<'_> {
         };
         self.model.mass = self.required("mass")?;
         for name in law.parameters().iter().filter(|name| !OPTIONAL.contains(name)) {
-            let both = BOTH_DIRECTIONS.iter().find(|(alias, _)| alias == name).map(|(_, both)| *both);
-            for name in both.unwrap_or(&[name]) {
-                self.required(name)?;
+            match directions(name) {
+                Some(both) => both.into_iter().try_for_each(|name| self.required(name).map(drop))?,
+                None => drop(self.required(name)?),
             }
         }
         let of = |name: &str| self.numbers.get(name).map(|(x, _)| *x);
@@ -335,9 +330,10 @@ impl Reader<'_> {
         }
         self.model.validate().map_err(|refused| {
             let refused = name_in_file(&self.model.law, refused);
-            let alias = BOTH_DIRECTIONS.iter().find(|(_, both)| both.contains(&refused.parameter));
+            let stands_for =
+                |alias: &&&str| directions(alias).is_some_and(|both| both.contains(&refused.parameter));
             let place = |name: &str| self.places.get(name);
-            let own = place(refused.parameter).or_else(|| place(alias?.0));
+            let own = place(refused.parameter).or_else(|| place(BOTH_DIRECTIONS.iter().find(stands_for)?));
             self.error(*own.unwrap_or(&law_at), refused.to_string())
         })?;
         Ok(self.model)

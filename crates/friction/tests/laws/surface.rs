@@ -1,10 +1,7 @@
 //! One surface for every law, and what each law makes of it.
 
 use crate::common::surface;
-use friction::{FrictionLaw, Law, LawKind, MajdSimaan, Motion, Surface};
-
-/// Names that stand for both directions.
-const BOTH: [&str; 3] = ["f_static", "f_dynamic", "damping"];
+use friction::{BOTH_DIRECTIONS, FrictionLaw, Law, LawKind, MajdSimaan, Motion, Surface};
 
 #[test]
 fn a_law_gives_back_the_surface_that_it_was_made_of() {
@@ -13,7 +10,7 @@ fn a_law_gives_back_the_surface_that_it_was_made_of() {
         law.validate().unwrap_or_else(|refused| panic!("{}: {refused}", kind.id()));
         let back = Surface::of(&law);
         for name in kind.parameters().iter().filter(|name| **name != "adhesion") {
-            let known = Surface::<f64>::NAMES.contains(name) || BOTH.contains(name);
+            let known = Surface::<f64>::NAMES.contains(name) || BOTH_DIRECTIONS.contains(name);
             assert!(known, "{}: {name} is no name of a surface", kind.id());
             let (told, given) = (back.get(name), surface().get(name));
             let near = told.zip(given).is_some_and(|(a, b)| (a - b).abs() <= 1e-9 * b.abs());
@@ -33,7 +30,9 @@ fn every_law_slides_at_its_dynamic_friction() {
             let sliding = Motion { dt: 1e-3, displacement: 3e-4, velocity: 0.3, ..Motion::default() };
             law.step(&mut state, &sliding)
         };
-        (0..2_000).for_each(|k| drop(force(k)));
+        for k in 0..2_000 {
+            force(k);
+        }
         let mean = (0..2_000).map(force).sum::<f64>() / 2_000.0;
         // the classic law counts its viscous part from where friction has fallen
         let from = if *kind == LawKind::Classic { 0.3 - of_surface.stribeck_velocity } else { 0.3 };

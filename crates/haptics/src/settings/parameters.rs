@@ -4,7 +4,7 @@ use super::{LawKind, RendererKind, Settings};
 use crate::number::{self, Text};
 use core::fmt;
 use friction::effects::EffectKind;
-use friction::{Adhesion, Dimension, Geometry, Unit};
+use friction::{Adhesion, Dimension, Geometry, Unit, directions};
 
 /// Description of a parameter, as in `help`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -190,16 +190,6 @@ pub const ALIASES: &[Parameter] = &[
     Parameter::number("damping", Dimension::DAMPING, "viscous damping, both directions"),
 ];
 
-/// The two parameters of an alias.
-fn directions(name: &str) -> Option<(&'static str, &'static str)> {
-    match name {
-        "f_static" => Some(("f_static_p", "f_static_n")),
-        "f_dynamic" => Some(("f_dynamic_p", "f_dynamic_n")),
-        "damping" => Some(("damping_p", "damping_n")),
-        _ => None,
-    }
-}
-
 impl Settings {
     /// Every stored parameter. Effects have theirs as `EFFECT.PARAMETER`.
     pub const PARAMETERS: &'static [Parameter] = PARAMETERS;
@@ -214,7 +204,7 @@ impl Settings {
             "adhesion" => Some(Value::Word(self.adhesion.id())),
             "passivity" => Some(Value::Word(if self.passivity { ON } else { OFF })),
             _ => {
-                if let Some((p, n)) = directions(name) {
+                if let Some([p, n]) = directions(name) {
                     let (p, n) = (*place(p)?(&mut copy), *place(n)?(&mut copy));
                     return Some(if p == n { Value::Number(p) } else { Value::Pair(p, n) });
                 }
@@ -255,7 +245,7 @@ impl Settings {
                 };
             }
             _ => {
-                let (p, n) = directions(name).unwrap_or((name_of(name), ""));
+                let [p, n] = directions(name).unwrap_or([name_of(name), ""]);
                 if let Some(place_p) = place(p) {
                     let x = number::parse(value).ok_or(fail(SetWhy::NotANumber))?;
                     *place_p(self) = x;
