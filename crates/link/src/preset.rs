@@ -65,6 +65,7 @@ impl core::error::Error for PresetError<'_> {}
 
 /// A place for a saved preset.
 #[derive(Debug, Clone, Copy, Default)]
+#[allow(clippy::large_enum_variant)] // no heap
 enum Place {
     #[default]
     Free,

@@ -110,7 +110,8 @@ fn ids_are_those_of_files() {
     let ids: Vec<&str> = LawKind::ALL.iter().map(|law| law.id()).collect();
     assert_eq!(LawKind::IDS, ids.join(", "));
     let (mut known, mut own): (Vec<&str>, _) = (friction::LAWS.iter().map(|(id, _)| *id).collect(), ids);
-    (known.sort_unstable(), own.sort_unstable());
+    known.sort_unstable();
+    own.sort_unstable();
     assert_eq!(known, own);
     for kind in LawKind::ALL {
         let law = surface().law(*kind);
