@@ -1,5 +1,5 @@
-//! Every law under every renderer: what it makes a hand feel while it slides, rests and is let go. The laws of the thesis have
-//! more in renderer.rs.
+//! Every law under every renderer: what it makes a hand feel while it slides, rests and is let go. renderer.rs has
+//! more of the first four.
 
 mod rig;
 

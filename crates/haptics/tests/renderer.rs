@@ -5,7 +5,7 @@ mod rig;
 use haptics::{Control, Device, FaultKind, LawKind, RendererKind, Settings, bounds};
 use rig::{COUNT, Rig, T, control, render};
 
-/// Laws of the thesis with every renderer, symmetric, within the range of the rig. The others: tests/laws.rs.
+/// The first four laws with every renderer, symmetric, within the range of the rig. The others: tests/laws.rs.
 fn contacts() -> Vec<(String, Settings)> {
     let mut all = Vec::new();
     for law in [LawKind::Karnopp, LawKind::Dahl, LawKind::Coulomb, LawKind::LuGre] {
