@@ -22,10 +22,11 @@ impl Parameter {
         Self { name, dimension: Some(dimension), what }
     }
 
-    /// Its SI unit on a device of this geometry.
+    /// Its SI unit on a device of this geometry. None for a choice and for a pure number.
     #[must_use]
     pub fn unit(&self, geometry: Geometry) -> Option<Unit> {
-        self.dimension.map(|dimension| dimension.unit(geometry))
+        let dimension = self.dimension.filter(|dimension| *dimension != Dimension::NUMBER);
+        dimension.map(|dimension| dimension.unit(geometry))
     }
 }
 

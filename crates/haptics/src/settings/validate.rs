@@ -149,34 +149,37 @@ impl Settings {
             "f_static_n",
             self.f_static_n,
             self.f_static_p,
-            force("this law has one static friction"),
+            force("this law has one static friction; `set f_static` sets both"),
         )?;
         one(
             "f_dynamic",
             "f_dynamic_n",
             self.f_dynamic_n,
             self.f_dynamic_p,
-            force("this law has one dynamic friction"),
+            force("this law has one dynamic friction; `set f_dynamic` sets both"),
         )?;
         one(
             "damping",
             "damping_n",
             self.damping_n,
             self.damping_p,
-            Reason::of(Dimension::DAMPING, "this law has one damping"),
+            Reason::of(Dimension::DAMPING, "this law has one damping; `set damping` sets both"),
         )
     }
 
     /// Checks what only some laws take, for each law: a switch of law must find valid numbers.
     fn own(&self) -> Result<(), Refused> {
-        let number = |parameter, value, low, high, dimension| {
-            within(parameter, value, low, high, Reason::of(dimension, ""))
-        };
-        number("elastic", self.elastic, 0.0, 0.99, Dimension::NUMBER)?;
-        number("attraction", self.attraction, 0.0, 1e9, Dimension::FORCE_RATE)?;
-        number("memory", self.memory, 0.0, 1e3, Dimension::TIME)?;
-        number("dwell", self.dwell, 1e-6, 1e6, Dimension::TIME)?;
-        number("steepness", self.steepness, 1.001, 1e6, Dimension::NUMBER)
+        within("elastic", self.elastic, 0.0, 0.99, Reason::plain("a share of the dynamic friction"))?;
+        within("attraction", self.attraction, 0.0, 1e9, Reason::of(Dimension::FORCE_RATE, ""))?;
+        within("memory", self.memory, 0.0, 1e3, Reason::of(Dimension::TIME, ""))?;
+        within("dwell", self.dwell, 1e-6, 1e6, Reason::of(Dimension::TIME, ""))?;
+        within(
+            "steepness",
+            self.steepness,
+            1.001,
+            1e6,
+            Reason::plain("the rise at rest is steeper than the fall"),
+        )
     }
 
     /// Damping of a law that is one curve of speed, by its steepest slope, which is that at rest, N·s/m.
