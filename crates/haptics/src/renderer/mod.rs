@@ -8,6 +8,7 @@ mod admittance;
 mod block;
 mod dither;
 mod impedance;
+mod levels;
 mod slide;
 mod stopping_force;
 mod virtual_coupling;
@@ -17,7 +18,7 @@ pub use impedance::Impedance;
 
 use crate::{Config, RendererKind};
 use friction::FrictionLaw;
-use stopping_force::Levels;
+use levels::Levels;
 
 /// Measured motion of the handle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
