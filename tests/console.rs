@@ -83,7 +83,7 @@ fn every_command_of_the_design_is_answered() {
         ("version", "ok tribos "),
         ("help", "ok help, "),
         ("preset list", "ok brass teflon rubber viscous; active brass"),
-        ("preset show rubber", "ok rubber, 16 lines:"),
+        ("preset show rubber", "ok rubber, 22 lines:"),
         ("preset use rubber", "ok rubber"),
         ("set f_static 5", "ok f_static 5 N"),
         ("get f_static", "ok f_static 5 N"),
@@ -91,7 +91,7 @@ fn every_command_of_the_design_is_answered() {
         ("preset list", "ok brass teflon rubber viscous mine; active rubber (changed)"),
         ("preset default mine", "ok mine is the default"),
         ("preset delete mine", "ok mine deleted"),
-        ("get", "ok rubber, 16 lines:"),
+        ("get", "ok rubber, 22 lines:"),
         ("set stribeck.force_p 0.4", "ok stribeck.force_p 0.4 N"),
         ("set stribeck off", "ok stribeck off"),
         ("status", "ok idle, unreferenced, preset rubber (changed), handle "),
@@ -325,10 +325,10 @@ fn unreadable_and_invalid_presets_are_reported() {
     let unfit = Settings { k_vc: 1e9, ..Settings::brass() };
     let mut item = [0; MAX_ITEM];
     let mut items = Vec::new();
-    for (name, settings, format) in [("unfit", unfit, 1), ("other", Settings::brass(), 99)] {
+    for (name, settings, format) in [("unfit", unfit, None), ("other", Settings::brass(), Some(99))] {
         let change = store.save(name, &settings).expect("room");
         let mut bytes = change.encode(&mut item).to_vec();
-        bytes[0] = format;
+        bytes[0] = format.unwrap_or(bytes[0]);
         items.push((change.key(), bytes));
         store.commit(change);
     }
