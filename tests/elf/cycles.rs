@@ -36,7 +36,8 @@ fn own(law: LawKind) -> f64 {
     f64::from(law_cycles(law))
 }
 
-/// What is left of it in a step of `worst` cycles: for the energy of many springs, or for bonds that snap at random.
+/// Part of [`own`] that a step of `worst` cycles does not use. The stored energy of a law with many springs, and bonds that snap
+/// at random, may take it.
 fn left(law: LawKind, worst: f64) -> f64 {
     (own(law) - (worst - BUDGET).max(0.0)).max(0.0)
 }

@@ -104,7 +104,7 @@ impl<S: Scalar> FrictionLaw<S> for Armstrong<S> {
             state.dwelt = zero;
         }
         if !state.sliding {
-            // longer than any experiment; infinity over infinity is no share
+            // finite: ∞/(∞ + γ) would be NaN
             state.dwelt = (state.dwelt + motion.dt).min(S::lit(1e30));
             let risen = self.risen(state.left, state.dwelt);
             let level = self.coulomb + risen;

@@ -107,7 +107,7 @@ impl<S: Scalar> MaxwellSlip<S> {
     /// assert!((law.initial_stiffness() - 1e4).abs() < 1e-6);
     /// ```
     pub fn of_stiffness(coulomb: S, sigma: S) -> Self {
-        // without friction there is no stiffness: any length
+        // any positive level: without friction the stiffness is zero, and 0/0 is NaN
         let level = coulomb.max(S::lit(1e-3));
         let share = Self::new(level, S::one()).initial_stiffness();
         let law = Self::new(level, share / sigma);

@@ -157,15 +157,18 @@ impl LawKind {
         }
     }
 
-    /// Whether the law takes this parameter.
+    /// Whether the law takes this parameter, by itself or as one direction of a parameter for both.
     ///
     /// ```
-    /// assert!(friction::LawKind::Dahl.takes("sigma"));
-    /// assert!(!friction::LawKind::Karnopp.takes("sigma"));
+    /// use friction::LawKind;
+    /// assert!(LawKind::LuGre.takes("f_static") && LawKind::LuGre.takes("f_static_n"));
+    /// assert!(LawKind::Karnopp.takes("f_static_n") && !LawKind::Karnopp.takes("f_static"));
     /// ```
     #[must_use]
     pub fn takes(self, parameter: &str) -> bool {
-        self.parameters().contains(&parameter)
+        let is =
+            |own: &&str| *own == parameter || directions(own).is_some_and(|both| both.contains(&parameter));
+        self.parameters().iter().any(is)
     }
 }
 

@@ -129,10 +129,9 @@ fn tighten(settings: &Settings, device: &Device, name: &str, limit: f64) -> f64 
 fn used(settings: &Settings, name: &str) -> bool {
     let law = settings.law;
     let of_laws = name == "adhesion" || Surface::<f64>::NAMES.contains(&name);
-    let both = name.strip_suffix("_p").or(name.strip_suffix("_n")).unwrap_or(name);
     // Karnopp's levels have no dead band under this renderer
     let unused = name == "dv" && law.holds() && settings.renderer == haptics::RendererKind::StoppingForce;
-    !unused && (!of_laws || law.takes(name) || law.takes(both))
+    !unused && (!of_laws || law.takes(name))
 }
 
 fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> Shown {

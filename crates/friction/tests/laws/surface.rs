@@ -13,7 +13,7 @@ fn a_law_gives_back_the_surface_that_it_was_made_of() {
             let known = Surface::<f64>::NAMES.contains(name) || BOTH_DIRECTIONS.contains(name);
             assert!(
                 known && parameters::find(name).is_some(),
-                "{}: {name} is no name of a surface",
+                "{}: `{name}` is not a parameter of Surface",
                 kind.id()
             );
             let (told, given) = (back.get(name), surface().get(name));

@@ -101,7 +101,7 @@ impl Settings {
         within("f_dynamic_n", self.f_dynamic_n, 0.0, most, why)?;
         let static_why = Reason::of(Dimension::FORCE, "from dynamic friction to the limit of the actuator");
         // some laws do not use their static friction, but a switch of law must find a valid number
-        let takes = self.law.takes("f_static") || self.law.takes("f_static_p");
+        let takes = self.law.takes("f_static_p");
         let low = |dynamic: f32| if takes { dynamic } else { 0.0 };
         within("f_static_p", self.f_static_p, low(self.f_dynamic_p), most, static_why)?;
         within("f_static_n", self.f_static_n, low(self.f_dynamic_n), most, static_why)
