@@ -2,7 +2,7 @@
 
 use crate::board::{Board, image_with_absolute_encoder};
 use crate::cycles::is_not_late;
-use crate::no_panic::in_flash;
+use crate::no_panic::{REFUSED, in_flash};
 use crate::rate::stiffest;
 use crate::track::{Track, seconds};
 use emulator::{EncoderFault, Machine, ResetCause};
@@ -109,7 +109,7 @@ pub fn the_angle_is_the_position_and_the_force_answers_it() {
     assert!(s.step_cycles.max < BUDGET, "{} cycles", s.step_cycles.max);
     assert!(board.machine.violations().is_empty(), "{:?}", board.machine.violations());
     let step = board.image.reach("ADC1_2").expect("the control interrupt");
-    assert_eq!(in_flash(&step), Vec::<&str>::new());
+    assert_eq!(in_flash(&step, Some(REFUSED)), Vec::<&str>::new());
     assert!(step.traps.is_empty() && step.indirect.is_empty(), "{:x?} {:x?}", step.traps, step.indirect);
     let panics: Vec<_> = step.functions.iter().filter(|name| name.contains("panic")).collect();
     assert!(panics.is_empty(), "{panics:?}");

@@ -2,7 +2,7 @@
 
 use crate::absolute_encoder::worst_step;
 use crate::board::{Board, image_with_both_sensors};
-use crate::no_panic::in_flash;
+use crate::no_panic::{REFUSED, in_flash};
 use emulator::{ConverterFault, Machine, ResetCause};
 use plant::Bench;
 
@@ -49,7 +49,7 @@ pub fn every_rate_and_law_runs_with_both_sensors() {
     let worst = worst_step(ready);
     assert!(worst < BUDGET, "{worst}");
     let step = image_with_both_sensors().reach("ADC1_2").expect("the control interrupt");
-    assert_eq!(in_flash(&step), Vec::<&str>::new());
+    assert_eq!(in_flash(&step, Some(REFUSED)), Vec::<&str>::new());
     assert!(step.traps.is_empty() && step.indirect.is_empty(), "{:x?} {:x?}", step.traps, step.indirect);
     let panics: Vec<_> = step.functions.iter().filter(|name| name.contains("panic")).collect();
     assert!(panics.is_empty(), "{panics:?}");

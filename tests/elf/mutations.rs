@@ -106,7 +106,7 @@ fn check(image: &Image) -> Vec<String> {
         wants((28_000..37_500).contains(&code), format!("{what}: code {code}"));
     }
     if let Ok(step) = image.reach("ADC1_2") {
-        let slow = in_flash(&step);
+        let slow = in_flash(&step, None);
         wants(slow.is_empty(), format!("in flash: {slow:?}"));
     } else {
         wants(false, "the control interrupt cannot be followed".into());

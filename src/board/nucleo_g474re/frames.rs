@@ -228,6 +228,7 @@ impl<L: Line<N>, const N: usize> SpiDevice for Frames<L, N> {
         for (k, part) in bytes.chunks_mut(4).enumerate() {
             // SAFETY: one of the words of `answer`, which is first. What the DMA still writes is not used.
             let word = unsafe { answer.add(k).read_volatile() };
+            // a word at a time: by bytes it takes 100 cycles more with two sensors
             match <&mut [u8; 4]>::try_from(&mut *part) {
                 Ok(whole) => *whole = word.to_le_bytes(),
                 Err(_) => part.iter_mut().zip(word.to_le_bytes()).for_each(|(to, from)| *to = from),

@@ -41,7 +41,7 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// Levels of a law that holds. `None` for a law that does not hold.
+    /// Levels of a law that holds. `None` for any other.
     #[inline(always)]
     pub(super) fn of(law: &Law<f32>) -> Option<Self> {
         match law {

@@ -118,12 +118,16 @@ impl Contact {
             Self::Impedance(contact) => return contact.step(config, handle),
             Self::Block(block) => block,
         };
-        match (config.renderer, Levels::of(&config.law)) {
-            (RendererKind::StoppingForce, Some(levels)) => block.step_stopping_force(config, handle, levels),
-            #[cfg(feature = "admittance")]
-            (RendererKind::Admittance, _) => block.step_admittance(config, handle),
-            // a law that does not hold has no set-valued part
-            _ => block.step_virtual_coupling(config, handle),
+        if config.renderer == RendererKind::StoppingForce
+            && let Some(levels) = Levels::of(&config.law)
+        {
+            return block.step_stopping_force(config, handle, levels);
         }
+        #[cfg(feature = "admittance")]
+        if config.renderer == RendererKind::Admittance {
+            return block.step_admittance(config, handle);
+        }
+        // also under the stopping force, for a law that has no set-valued part
+        block.step_virtual_coupling(config, handle)
     }
 }
