@@ -16,6 +16,7 @@ mod listener;
 mod pins;
 #[cfg(not(feature = "absolute-encoder"))]
 mod quadrature;
+mod serial;
 mod setup;
 mod stop;
 mod timing;
@@ -32,6 +33,7 @@ use Quadrature as Position;
 use analog::Analog as Load;
 #[cfg(not(feature = "absolute-encoder"))]
 pub use quadrature::Quadrature;
+pub use serial::Serial;
 pub use setup::ResetCause;
 pub use stop::{make_safe, restart};
 pub use timing::{LOOP_HZ, TICK_HZ};
@@ -46,7 +48,6 @@ use embassy_executor::SendSpawner;
 use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::peripherals::IWDG;
-use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{interrupt, pac};
 use haptics::{Device, FaultKind, Inputs, Outputs};
@@ -247,7 +248,7 @@ fn dac_code(force: f32, command: &Command) -> u16 {
 pub struct Peripherals {
     hardware: Hardware,
     /// Serial line.
-    pub console: BufferedUart<'static>,
+    pub serial: Serial,
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
@@ -285,24 +286,7 @@ impl Peripherals {
         #[cfg(not(any(feature = "absolute-encoder", feature = "index-pulse")))]
         let position = Position;
 
-        let mut settings = usart::Config::default();
-        settings.baudrate = BAUD;
-        settings.eager_reads = Some(RX_WAKE);
-        static TX: StaticCell<[u8; 1024]> = StaticCell::new();
-        static RX: StaticCell<[u8; RX_BYTES]> = StaticCell::new();
-        // SAFETY: owned by the console for good, and taken once
-        let line = unsafe { chip::Serial::steal() };
-        // pins and rate are constants: this cannot fail
-        let console = BufferedUart::new(
-            line,
-            p.PA3,
-            p.PA2,
-            TX.init([0; 1024]),
-            RX.init([0; RX_BYTES]),
-            chip::Irqs,
-            settings,
-        )
-        .expect("the serial line at 921 600 baud");
+        let serial = Serial::open(p.PA2, p.PA3, p.DMA1_CH7);
 
         let (converter, reference) = chip::start_converter(p.ADC1, p.PC0, p.PC1);
         SUPPLY_MV.store(supply_mv(reference, pac::VREFINTCAL.data().read()), Relaxed);
@@ -322,7 +306,7 @@ impl Peripherals {
                 amplifier_fault: Contact::new(AmplifierFault::new(p.PB10)),
                 enabled: false,
             },
-            console,
+            serial,
             watchdog: IndependentWatchdog::new(p.IWDG, WATCHDOG_US),
             led: Lamp::new(Output::new(p.PA5, Level::Low, Speed::Low)),
             reset_cause,
@@ -350,7 +334,7 @@ impl Peripherals {
 
     /// Starts the loop in the control interrupt. Returns the peripherals of the tasks.
     pub fn start(self, control: ControlLoop, ends: ControlEnds<'static>) -> Rest {
-        let Self { hardware, console, watchdog, led, reset_cause } = self;
+        let Self { hardware, serial, watchdog, led, reset_cause } = self;
         let boot_fault = reset_cause.fault();
         black_box::open(boot_fault);
         static RUNNING: StaticCell<Loop> = StaticCell::new();
@@ -370,14 +354,14 @@ impl Peripherals {
         setup::start_pace();
         Position::follow();
         Load::follow();
-        Rest { console, watchdog, led, listener: listener::start() }
+        Rest { serial, watchdog, led, listener: listener::start() }
     }
 }
 
 /// Peripherals of the tasks while the loop runs.
 pub struct Rest {
     /// Serial line.
-    pub console: BufferedUart<'static>,
+    pub serial: Serial,
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.

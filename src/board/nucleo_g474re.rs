@@ -74,7 +74,7 @@ use embassy_stm32::adc::{Adc, AdcChannel, AdcConfig, Exten, InjectedAdc, SampleT
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::{Interrupt, Priority};
 use embassy_stm32::peripherals::{self, ADC1, PA0, PA1, PA15, PB3, PC0, PC1, TIM2, TIM5};
-use embassy_stm32::{Config, Peri, bind_interrupts, pac, rcc, triggers, usart};
+use embassy_stm32::{Config, Peri, bind_interrupts, dma, pac, rcc, triggers, usart};
 #[cfg(feature = "index-pulse")]
 pub use index::Indexed;
 #[cfg(feature = "load-cell-converter")]
@@ -111,6 +111,7 @@ pub const SERIAL_INTERRUPT: Interrupt = Interrupt::LPUART1;
 
 bind_interrupts!(pub struct Irqs {
     LPUART1 => usart::BufferedInterruptHandler<peripherals::LPUART1>;
+    DMA1_CHANNEL7 => dma::InterruptHandler<peripherals::DMA1_CH7>;
 });
 
 /// What the clocks need first.

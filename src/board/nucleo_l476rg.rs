@@ -44,7 +44,7 @@ use embassy_stm32::adc::Adc;
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::{Interrupt, Priority};
 use embassy_stm32::peripherals::{self, ADC1, PA0, PA1, PA15, PB3, PC0, PC1, TIM2, TIM5};
-use embassy_stm32::{Config, Peri, bind_interrupts, pac, rcc, usart};
+use embassy_stm32::{Config, Peri, bind_interrupts, dma, pac, rcc, usart};
 use pac::adc::vals::{OversamplingRatio, OversamplingShift, SampleTime};
 use pac::timer::vals::{CcmrInputCcs, FilterValue, Sms};
 
@@ -83,6 +83,7 @@ pub const SERIAL_INTERRUPT: Interrupt = Interrupt::USART2;
 
 bind_interrupts!(pub struct Irqs {
     USART2 => usart::BufferedInterruptHandler<peripherals::USART2>;
+    DMA1_CHANNEL7 => dma::InterruptHandler<peripherals::DMA1_CH7>;
 });
 
 /// What the clocks need first.

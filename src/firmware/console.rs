@@ -1,26 +1,19 @@
-//! Task that moves bytes between listener, desk and serial line every millisecond.
-//!
-//! It polls: embassy's buffered writer does not wake a task that waits for room.
+//! Task that moves bytes between listener, desk and sender every millisecond.
 
 use super::listener::WAITING;
-use embassy_futures::poll_once;
-use embassy_stm32::usart::BufferedUartTx;
+use super::sender::Writer;
 use embassy_time::{Duration, Instant, Ticker};
-use embedded_io_async::Write;
 use haptics::FaultKind;
 use heapless_spsc::spsc::Consumer;
 use tribos_firmware::app::{Desk, DeskEnds};
 use tribos_firmware::board::nucleo::{self as board, Nucleo};
-
-/// Bytes per write. A write is accepted completely or not at all.
-const PIECE: usize = 64;
 
 #[embassy_executor::task]
 pub async fn run(
     desk: &'static mut Desk,
     mut ends: DeskEnds<'static>,
     queue: Consumer<'static, u8, WAITING>,
-    mut tx: BufferedUartTx<'static>,
+    tx: Writer,
 ) {
     let mut board = Nucleo;
     let mut typed = Typed::new(queue);
@@ -36,19 +29,19 @@ pub async fn run(
             typed.taken(taken);
             desk.poll(&mut ends, &mut board);
         }
-        send(desk, &mut tx);
+        send(desk, &tx);
     }
 }
 
-fn send(desk: &mut Desk, tx: &mut BufferedUartTx<'static>) {
+/// Hands over what there is room for.
+fn send(desk: &mut Desk, tx: &Writer) {
     loop {
         let front = desk.output().front();
-        let piece = &front[..front.len().min(PIECE)];
-        if piece.is_empty() {
+        if front.is_empty() {
             return;
         }
-        let core::task::Poll::Ready(Ok(sent)) = poll_once(tx.write(piece)) else { return };
-        desk.output().sent(sent);
+        let Ok(taken) = tx.try_write(front) else { return };
+        desk.output().sent(taken);
     }
 }
 

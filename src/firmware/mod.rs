@@ -3,9 +3,10 @@
 //! | what | where | every |
 //! | --- | --- | --- |
 //! | [`ControlLoop`] | interrupt, priority 0 ([`nucleo`]) | 1 ms |
-//! | serial line in and out of its buffers | interrupt, priority 6 | byte |
+//! | serial line into its buffer | interrupt, priority 6 | byte |
 //! | [`listener`]: bytes of the serial line, `off` | task in an interrupt, priority 7 | idle line |
 //! | [`console`]: commands, answers, frames | task | 1 ms |
+//! | [`sender`]: what the console hands over, by DMA | task | piece |
 //! | [`keeper`]: presets into the flash | task | when asked |
 //! | [`supervisor`]: watchdog, status LED | task | 10 ms |
 //!
@@ -14,6 +15,7 @@
 mod console;
 mod keeper;
 mod listener;
+mod sender;
 mod supervisor;
 
 use cortex_m_rt as _;
@@ -21,6 +23,7 @@ use defmt_rtt as _;
 use embassy_executor::Spawner;
 use heapless_spsc::spsc::Queue;
 use listener::WAITING;
+use sender::Sending;
 use static_cell::StaticCell;
 use tribos_firmware::app::{ControlLoop, Desk, Queues};
 use tribos_firmware::board::Board;
@@ -30,6 +33,7 @@ use tribos_firmware::presets::Library;
 static QUEUES: StaticCell<Queues> = StaticCell::new();
 static DESK: StaticCell<Desk> = StaticCell::new();
 static TYPED: StaticCell<Queue<u8, WAITING>> = StaticCell::new();
+static SENDING: StaticCell<Sending> = StaticCell::new();
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -57,12 +61,13 @@ async fn main(spawner: Spawner) {
         ControlLoop::new(config)
     };
     let rest = peripherals.start(control_loop, control);
-    let (tx, rx) = rest.console.split();
     let (typed, to_read) = TYPED.init_with(Queue::new).split();
+    let (to_send, sending) = SENDING.init_with(Sending::new).split();
     // each task is started once, as a spawn token requires
-    if let (Ok(listener), Ok(console), Ok(supervisor), Ok(keeper)) = (
-        listener::run(rx, typed, off),
-        console::run(desk, ends, to_read, tx),
+    if let (Ok(listener), Ok(console), Ok(sender), Ok(supervisor), Ok(keeper)) = (
+        listener::run(rest.serial.rx, typed, off),
+        console::run(desk, ends, to_read, sending),
+        sender::run(to_send, rest.serial.tx),
         supervisor::run(rest.watchdog, rest.led),
         keeper::run(library),
     ) {
@@ -70,6 +75,7 @@ async fn main(spawner: Spawner) {
         spawner.spawn(supervisor);
         spawner.spawn(keeper);
         spawner.spawn(console);
+        spawner.spawn(sender);
     }
 }
 

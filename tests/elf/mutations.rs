@@ -111,6 +111,8 @@ fn check(image: &Image) -> Vec<String> {
     } else {
         wants(false, "the control interrupt cannot be followed".into());
     }
+    // what waits to be sent of the flood
+    machine.run_for(50.0);
     // an edge at a constant pace, a cycle later in every other period
     if machine.run_to_control() {
         let off = velocity_error(&mut machine);

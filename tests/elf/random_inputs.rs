@@ -296,7 +296,7 @@ impl Pair {
     }
 }
 
-/// 25 000 random samples under one law: every renderer, four effects at a time out of all of them, a swap in mid-motion.
+/// 20 000 random samples under one law: every renderer, four effects at a time out of all of them, a swap in mid-motion.
 fn law(law: LawKind, seed: u64) {
     let mut pair = Pair::boot(seed);
     let mut effects = 0;
@@ -318,12 +318,12 @@ fn law(law: LawKind, seed: u64) {
             effects += u32::from(any);
         }
         pair.render();
-        pair.ride(Style::Hand, 6_500);
+        pair.ride(Style::Hand, 3_000);
         pair.style(Style::Hand);
         let swapped = pair.set("damping", "2.5");
-        pair.ride(Style::Hand, 4_300);
+        pair.ride(Style::Hand, 2_000);
         assert!(swapped || pair.follower.last.1 != 0);
-        pair.ride(Style::Trips, 1_500);
+        pair.ride(Style::Trips, 1_200);
         let off = pair.say("render off", Some(Typed::Ask(Request::Render(false))));
         // a latched fault refuses it
         assert!(off || pair.follower.last.1 != 0);
@@ -332,8 +332,8 @@ fn law(law: LawKind, seed: u64) {
     }
     pair.told(&format!("{} with {effects} effects", law.id()));
     let f = &pair.follower;
-    // four of these tests: 100 000
-    assert!(pair.random_given() >= 25_000 && f.compared >= pair.random_given());
+    // four of these tests, and 32 000 under the other laws: 100 000
+    assert!(pair.random_given() >= 18_000 && f.compared >= pair.random_given());
     assert!(f.sliding > 5_000 && f.wrapped > 0 && f.repeated > 0);
     assert!(f.faults.len() > 2, "no check was tripped");
     assert!(effects >= 5, "{effects} effects");

@@ -6,6 +6,8 @@ use emulator::random::Random;
 /// Ticks in a period.
 pub const PERIOD: u32 = 170_000;
 const MID: u16 = 32_768;
+/// Codes of the accelerometer for a change of speed by a count a period: 2.57 m/s².
+const PER_CHANGE: i32 = 172;
 /// Counts from the middle to where the made-up handle turns round: 12 mm.
 const TURN: i32 = 4_700;
 
@@ -120,7 +122,7 @@ impl Source {
             self.motion = (r.draw() as u32 % 6, 50 + r.draw() as u32 % 300);
         }
         self.motion.1 -= 1;
-        let before = self.count;
+        let (before, speed) = (self.count, self.speed);
         let (most, jerk) = match self.motion.0 {
             0 => (100, 12),
             1 => (100, 100),
@@ -146,8 +148,12 @@ impl Source {
             2 => None,
             _ => moved.then(|| r.draw() as u32 % (PERIOD / 2)),
         };
-        let noise = |r: &mut Random| (i32::from(MID) + r.within(700)) as u16;
-        let (load_code, accel_code) = (noise(r), noise(r));
+        // What contradicts itself is a fault, and most samples after a fault are for nothing: the accelerometer follows, and at
+        // rest there is only the noise of a sensor.
+        let most = if self.motion.0 > 3 { 20 } else { 700 };
+        let noise = |r: &mut Random| i32::from(MID) + r.within(most);
+        let load_code = noise(r) as u16;
+        let accel_code = (noise(r) + PER_CHANGE * (self.speed - speed)).clamp(100, 65_400) as u16;
         Injected { load_code, accel_code, count: self.count as u32, edge_age: age, skew_ticks: 0 }
     }
 }

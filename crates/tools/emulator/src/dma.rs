@@ -1,9 +1,17 @@
-//! DMA1 and its request multiplexer: single transfers between RAM and a register, circular or not. A transfer takes no time.
+//! DMA1 and its request multiplexer: single transfers between RAM and a register, circular or not, and their interrupts. A
+//! transfer takes no time, and an error is a violation, not a flag.
 
 use crate::image::RAM_BASE;
 use rsemu::core::space::RamStore;
 use std::sync::Arc;
 
+/// Flags of all channels, four bits each, and where they are cleared.
+const ISR: u32 = 0x00;
+const IFCR: u32 = 0x04;
+/// Those of channel 1: any, its end, its half. Bits 1 and 2 of its CR let the latter two interrupt.
+const ISR_GIF1: u32 = 1 << 0;
+const ISR_TCIF1: u32 = 1 << 1;
+const ISR_HTIF1: u32 = 1 << 2;
 /// Offsets in a channel, and their distance [rm0440, "DMA register map"].
 const CHANNEL_0: u32 = 0x08;
 const STRIDE: u32 = 0x14;
@@ -21,6 +29,7 @@ struct Channel {
     mar: u32,
     /// Transfers done since the start.
     done: u32,
+    flags: u32,
 }
 
 impl Channel {
@@ -74,6 +83,10 @@ impl Dma {
         if let Some(of_mux) = offset.checked_sub(MUX) {
             return self.mux.get(of_mux as usize / 4).copied().unwrap_or(0);
         }
+        if offset == ISR {
+            let flags = |c: &Channel| c.flags | if c.flags != 0 { ISR_GIF1 } else { 0 };
+            return self.channels.iter().rev().fold(0, |isr, channel| isr << 4 | flags(channel));
+        }
         let Some((channel, register)) = Self::place(offset) else { return 0 };
         let channel = &self.channels[channel];
         match register {
@@ -89,6 +102,13 @@ impl Dma {
         if let Some(of_mux) = offset.checked_sub(MUX) {
             if let Some(register) = self.mux.get_mut(of_mux as usize / 4) {
                 *register = value;
+            }
+            return;
+        }
+        if offset == IFCR {
+            for (k, channel) in self.channels.iter_mut().enumerate() {
+                let clear = value >> (4 * k) & 0xf;
+                channel.flags &= if clear & ISR_GIF1 != 0 { 0 } else { !clear };
             }
             return;
         }
@@ -111,6 +131,12 @@ impl Dma {
             0x0c => channel.mar = value,
             _ => {}
         }
+    }
+
+    /// Whether a channel interrupts.
+    pub fn interrupt(&self, number: usize) -> bool {
+        let channel = &self.channels[number];
+        channel.flags & channel.cr & (ISR_TCIF1 | ISR_HTIF1) != 0
     }
 
     /// Transfer that a channel makes on a request; none if no channel waits for it.
@@ -158,6 +184,12 @@ impl Dma {
         let channel = &mut self.channels[number];
         channel.left -= 1;
         channel.done += 1;
+        if channel.left == channel.reload / 2 {
+            channel.flags |= ISR_HTIF1;
+        }
+        if channel.left == 0 {
+            channel.flags |= ISR_TCIF1;
+        }
         if channel.left == 0 && channel.cr & 0x20 != 0 {
             (channel.left, channel.done) = (channel.reload, 0);
         }
@@ -184,6 +216,13 @@ mod tests {
         let sent = [1, 2, 3].map(|value| Some(Transfer::ToRegister { address: 0x4000_380c, value }));
         assert_eq!([(); 3].map(|()| dma.request(13)), sent);
         assert_eq!((dma.request(13), dma.read(0x1c + 4)), (None, 0), "ended");
+        assert!(dma.read(ISR) == 0x70 && !dma.interrupt(1), "ended, and nobody asked for the interrupt");
+        dma.write(0x1c, 1 | 2 | 0x10 | 0x80);
+        assert!(dma.interrupt(1));
+        dma.write(IFCR, 0x20);
+        assert!(dma.read(ISR) == 0x50 && !dma.interrupt(1));
+        dma.write(IFCR, 0x10);
+        assert_eq!(dma.read(ISR), 0);
         dma.write(0x1c + 4, 3);
         assert!(dma.violation.take().is_some(), "set while on");
         // the other way, round and round

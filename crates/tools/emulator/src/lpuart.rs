@@ -9,7 +9,9 @@ const BRR: u32 = 0x0c;
 const ISR: u32 = 0x1c;
 const ICR: u32 = 0x20;
 const RDR: u32 = 0x24;
-const TDR: u32 = 0x28;
+pub(crate) const TDR: u32 = 0x28;
+/// CR3: the DMA is asked for bytes to send.
+const CR3_DMAT: u32 = 1 << 7;
 
 /// Rate of the terminal.
 const TERMINAL_BAUD: f64 = 921_600.0;
@@ -121,6 +123,11 @@ impl Lpuart {
                 }
             }
         }
+    }
+
+    /// Whether the DMA is asked for a byte.
+    pub fn wants_to_send(&self) -> bool {
+        self.on(3) && self.reg(CR3) & CR3_DMAT != 0 && self.queued.len() < self.depth()
     }
 
     fn send(&mut self, now: u64) {

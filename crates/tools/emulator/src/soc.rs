@@ -8,7 +8,7 @@ use crate::flash::Flash;
 use crate::gpio::Gpio;
 use crate::inject::{Injector, Pulses};
 use crate::iwdg::Iwdg;
-use crate::lpuart::Lpuart;
+use crate::lpuart::{self, Lpuart};
 use crate::mt6835::Mt6835;
 use crate::rcc::{Gate, Rcc, ResetCause};
 use crate::spi::{Chip, Spi};
@@ -50,10 +50,11 @@ const SPI3_GATE: Gate = (APB1ENR1, 15);
 const DMA_GATE: Gate = (AHB1ENR, 0);
 const DMAMUX_GATE: Gate = (AHB1ENR, 2);
 
-/// Requests of the DMAMUX: updates of TIM6 and TIM7; receive and transmit of SPI2 and SPI3.
+/// Requests of the DMAMUX: updates of TIM6 and TIM7; receive and transmit of SPI2 and SPI3; transmit of LPUART1.
 const UPDATE_REQUESTS: [(usize, u32); 2] = [(4, 8), (5, 9)];
 const SPI2_REQUESTS: [u32; 2] = [12, 13];
 const SPI3_REQUESTS: [u32; 2] = [14, 15];
+const LPUART1_TX_REQUEST: u32 = 35;
 /// Alternate functions of SPI2 and SPI3, and their pins: ports and numbers of NSS, SCK, MISO, MOSI.
 const SPI2_FUNCTION: u32 = 5;
 const SPI2_PINS: [(usize, u32); 4] = [(1, 12), (1, 13), (1, 14), (1, 15)];
@@ -65,7 +66,10 @@ pub(crate) const IRQ_ADC1_2: u16 = 18;
 const IRQ_TIMERS: [u16; 6] = [28, 29, 30, 50, 54, 55];
 const IRQ_PVD: u16 = 1;
 const IRQ_LPUART1: u16 = 91;
-pub(crate) const IRQS: usize = 9;
+/// Channel of DMA1, from 0, whose interrupt is driven.
+const DMA_CHANNEL: usize = 6;
+const IRQ_DMA1_CHANNEL7: u16 = 17;
+pub(crate) const IRQS: usize = 10;
 
 const ENABLE_PIN: u32 = 5;
 /// Alternate function of the enable pin, and the timer and channel behind it.
@@ -336,6 +340,7 @@ impl Soc {
                 if self.gate(LPUART_GATE, "LPUART1") {
                     let hz = self.rcc.lpuart1();
                     self.lpuart.write(offset, value, now, hz);
+                    self.serve(now);
                 }
             }
             RCC..0x4002_1400 => {
@@ -401,11 +406,12 @@ impl Soc {
         self.violations.extend(self.spi3.violation.take());
     }
 
-    /// Makes the transfers that SPI2 and SPI3 ask the DMA for.
+    /// Makes the transfers that SPI2, SPI3 and LPUART1 ask the DMA for.
     fn serve(&mut self, now: u64) {
         loop {
-            let asked = [wants(&self.spi2, SPI2_REQUESTS), wants(&self.spi3, SPI3_REQUESTS)].concat();
-            if !asked.into_iter().flatten().any(|request| self.transfer(request, now)) {
+            let [[a, b], [c, d]] = [wants(&self.spi2, SPI2_REQUESTS), wants(&self.spi3, SPI3_REQUESTS)];
+            let e = self.lpuart.wants_to_send().then_some(LPUART1_TX_REQUEST);
+            if ![a, b, c, d, e].into_iter().flatten().any(|request| self.transfer(request, now)) {
                 break;
             }
         }
@@ -415,11 +421,16 @@ impl Soc {
     fn transfer(&mut self, request: u32, now: u64) -> bool {
         let Some(transfer) = self.dma.request(request) else { return false };
         let (Transfer::ToRegister { address, .. } | Transfer::FromRegister { address, .. }) = transfer;
-        if !(SPI2..SPI3 + 0x400).contains(&address) {
-            self.violations.insert(format!("DMA1 at {address:#x}, which is not modelled"));
-            return false;
-        }
+        let of_spi = (SPI2..SPI3 + 0x400).contains(&address);
         match transfer {
+            Transfer::ToRegister { value, .. } if address == LPUART1 + lpuart::TDR => {
+                let hz = self.rcc.lpuart1();
+                self.lpuart.write(lpuart::TDR, value, now, hz);
+            }
+            _ if !of_spi => {
+                self.violations.insert(format!("DMA1 at {address:#x}, which is not modelled"));
+                return false;
+            }
             Transfer::ToRegister { value, .. } => self.write_spi(address, value, now),
             Transfer::FromRegister { channel, .. } => {
                 let offset = address & 0x3ff;
@@ -561,6 +572,7 @@ impl Soc {
         }
         self.spi2.advance(at, &self.world);
         self.spi3.advance(at, &self.world);
+        self.lpuart.advance(at);
         self.serve(at);
         if let Some(lost) = self.adc.advance(at) {
             self.stats.missed += u64::from(lost || self.sampled_at.is_some());
@@ -569,7 +581,6 @@ impl Soc {
             self.load_used = self.spi3.chip.seen_at;
             self.inject(at);
         }
-        self.lpuart.advance(at);
     }
 
     /// Replaces measurements by injected readings.
@@ -650,6 +661,7 @@ impl Soc {
             0..6 => (IRQ_TIMERS[k], tims[k]),
             6 => (IRQ_ADC1_2, self.adc.interrupt()),
             7 => (IRQ_PVD, self.supply.interrupt()),
+            8 => (IRQ_DMA1_CHANNEL7, self.dma.interrupt(DMA_CHANNEL)),
             _ => (IRQ_LPUART1, tx_rx_wired && self.lpuart.interrupt()),
         })
     }

@@ -200,7 +200,12 @@ fn addresses_clocks_and_interrupts_are_those_of_metapac() {
     let number = |name: &str| METADATA.interrupts.iter().find(|i| i.name == name).map(|i| i.number as u16);
     let timers = ["TIM2", "TIM3", "TIM4", "TIM5", "TIM6_DAC", "TIM7_DAC"];
     assert_eq!(timers.map(number), IRQ_TIMERS.map(Some));
-    for (name, irq) in [("ADC1_2", IRQ_ADC1_2), ("PVD_PVM", IRQ_PVD), ("LPUART1", IRQ_LPUART1)] {
+    for (name, irq) in [
+        ("ADC1_2", IRQ_ADC1_2),
+        ("PVD_PVM", IRQ_PVD),
+        ("LPUART1", IRQ_LPUART1),
+        ("DMA1_CHANNEL7", IRQ_DMA1_CHANNEL7),
+    ] {
         assert_eq!(number(name), Some(irq), "{name}");
     }
 }
@@ -214,6 +219,7 @@ fn requests_of_the_dma_are_those_of_metapac() {
         ("SPI2", "TX", SPI2_REQUESTS[1]),
         ("SPI3", "RX", SPI3_REQUESTS[0]),
         ("SPI3", "TX", SPI3_REQUESTS[1]),
+        ("LPUART1", "TX", LPUART1_TX_REQUEST),
     ] {
         let mut channels = metapac(peripheral).dma_channels.iter();
         let told = channels.find(|channel| channel.signal == signal).and_then(|channel| channel.request);
