@@ -22,7 +22,7 @@ use crate::Jnd;
 use crate::interval::BLOCKS;
 use identify::Signals;
 use nalgebra::{Complex, DMatrix, DVector};
-use signals::quantile;
+use signals::{Basis, dot, quantile, subtract_scaled};
 use std::f64::consts::TAU;
 
 /// Harmonics of a texture.
@@ -323,8 +323,7 @@ struct Scan<'a> {
     rows: &'a Rows,
     kept: Vec<usize>,
     force: Vec<f64>,
-    /// Orthonormal columns.
-    basis: Vec<Vec<f64>>,
+    basis: Basis,
     /// Frequencies, 1/m, with the power that a line there explains.
     powers: Vec<(f64, f64)>,
 }
@@ -336,26 +335,20 @@ impl<'a> Scan<'a> {
         let kept: Vec<usize> = (0..rows.used.len()).step_by(step).collect();
         let pick = |column: &Vec<f64>| kept.iter().map(|&i| column[i]).collect::<Vec<f64>>();
         let force = pick(&rows.force);
-        let mut scan = Self { rows, force, basis: Vec::new(), kept: kept.clone(), powers: Vec::new() };
+        let mut scan = Self { rows, force, basis: Basis::default(), kept: kept.clone(), powers: Vec::new() };
         for column in &rows.base {
-            scan.take_off(pick(column));
+            scan.take_off(&pick(column));
         }
         scan
     }
 
     /// Adds a column to the basis and takes its share off the force.
-    fn take_off(&mut self, mut column: Vec<f64>) {
-        let before = norm(&column);
-        for _ in 0..2 {
-            for other in &self.basis {
-                project_off(&mut column, other);
-            }
-        }
-        let size = norm(&column);
-        if size > 1e-6 * before && size > 0.0 {
-            column.iter_mut().for_each(|x| *x /= size);
-            project_off(&mut self.force, &column);
-            self.basis.push(column);
+    fn take_off(&mut self, column: &[f64]) {
+        if self.basis.push(column)
+            && let Some(unit) = self.basis.columns().last()
+        {
+            let share = dot(&self.force, unit);
+            subtract_scaled(&mut self.force, share, unit);
         }
     }
 
@@ -375,26 +368,14 @@ impl<'a> Scan<'a> {
 
     /// Power of the force that a line at `frequency` explains, N² times rows.
     fn power(&self, frequency: f64) -> f64 {
-        let mut columns = self.columns(frequency);
-        for column in &mut columns {
-            for other in &self.basis {
-                project_off(column, other);
+        let mut line = Basis::default();
+        for column in self.columns(frequency) {
+            let own = line.project_out(&self.basis.project_out(&column));
+            if dot(&own, &own) > 1e-6 * self.kept.len() as f64 {
+                line.push(&own);
             }
         }
-        let mut power = 0.0;
-        for k in 0..4 {
-            let size = norm(&columns[k]);
-            if !(size * size > 1e-6 * self.kept.len() as f64) {
-                continue;
-            }
-            columns[k].iter_mut().for_each(|x| *x /= size);
-            power += dot(&self.force, &columns[k]).powi(2);
-            let (done, rest) = columns.split_at_mut(k + 1);
-            for column in rest {
-                project_off(column, &done[k]);
-            }
-        }
-        power
+        line.captured(&self.force)
     }
 
     /// Median power that is left within an octave on both sides of a line, once the line is taken off.
@@ -443,7 +424,7 @@ impl<'a> Scan<'a> {
         // the line lies between two frequencies of the grid
         for shift in [0.0, -0.25, 0.25] {
             for column in self.columns(frequency + shift / (OVERSAMPLING * self.rows.stroke)) {
-                scan.take_off(column);
+                scan.take_off(&column);
             }
         }
         scan
@@ -543,18 +524,4 @@ fn variance(left_out: &[Lines], direction: usize) -> f64 {
             left_out.iter().map(|l| (l.lines[direction][h] - mean).norm_sqr()).sum::<f64>() * (n - 1.0) / n
         })
         .sum()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-/// Takes off what a column of unit length explains.
-fn project_off(from: &mut [f64], unit: &[f64]) {
-    let share = dot(from, unit);
-    from.iter_mut().zip(unit).for_each(|(a, b)| *a -= share * b);
 }

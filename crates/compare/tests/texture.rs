@@ -3,6 +3,7 @@
 use compare::{Comparison, Kind, MARGIN, Measured, Verdict, compare};
 use signals::Recording;
 use std::f64::consts::{PI, TAU};
+use untested::draws;
 
 /// What repeats over position.
 #[derive(Clone, Copy)]
@@ -56,36 +57,17 @@ fn compared(real: &Measured, rendered: &Measured) -> Comparison {
     compare(real, rendered, None, MARGIN).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Draws of the noise and the hand in each test, and where there is time for more.
-const SEEDS: u64 = 5;
-const MORE_SEEDS: u64 = 20;
-
 #[test]
 fn smooth_blocks_have_no_texture() {
-    smooth_blocks(SEEDS);
-}
-
-#[test]
-fn same_texture_with_new_noise_and_phase_is_same() {
-    same_texture(SEEDS);
-}
-
-#[test]
-#[ignore = "a minute"]
-fn over_more_draws_of_noise_and_hand() {
-    smooth_blocks(MORE_SEEDS);
-    same_texture(MORE_SEEDS);
-}
-
-fn smooth_blocks(seeds: u64) {
     let real = measured(SMOOTH, 100);
-    for seed in 0..seeds {
+    for seed in draws(2, 20) {
         let c = compared(&real, &measured(SMOOTH, seed));
         assert!(c.texture.is_none() && c.overall() == c.verdict, "{seed}: {:?}", c.texture);
     }
 }
 
-fn same_texture(seeds: u64) {
+#[test]
+fn same_texture_with_new_noise_and_phase_is_same() {
     for (name, pattern) in [
         ("detents", DETENTS),
         ("grain", Pattern { reverse: -1.0, ..DETENTS }),
@@ -94,7 +76,7 @@ fn same_texture(seeds: u64) {
     ] {
         let real = measured(pattern, 100);
         let mut verdicts = Vec::new();
-        for seed in 0..seeds {
+        for seed in draws(2, 20) {
             let other = Pattern { phase: PI * (0.37 * seed as f64).sin() + 3.0, ..pattern };
             let c = compared(&real, &measured(other, seed));
             let t = c.texture.unwrap_or_else(|| panic!("{name} {seed}: no texture"));
@@ -137,7 +119,7 @@ fn amplitude_period_and_shape_each_make_a_difference() {
         ("none", DETENTS, SMOOTH),
         ("one instead of none", SMOOTH, DETENTS),
     ] {
-        for seed in 0..3 {
+        for seed in draws(1, 3) {
             let c = compared(&measured(one, 100 + seed), &measured(other, seed));
             let t = c.texture.clone().unwrap_or_else(|| panic!("{name} {seed}: no texture"));
             if seed == 0 {

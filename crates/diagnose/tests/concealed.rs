@@ -5,8 +5,7 @@ mod plant;
 
 use diagnose::{Options, diagnose};
 use plant::{Case, Hidden, Motion, record};
-
-const SEEDS: u64 = 3;
+use untested::draws;
 
 #[test]
 fn what_is_concealed_is_named() {
@@ -29,7 +28,7 @@ fn what_is_concealed_is_named() {
     let (mut first, mut told, mut total) = (0, 0, 0);
     for (id, hidden, motion) in cases {
         let mut said = Vec::new();
-        for seed in 0..SEEDS {
+        for seed in draws(1, 3) {
             let case =
                 Case { hidden: [hidden, Hidden::Nothing], motion, seed: 100 + seed, ..Case::default() };
             let d = diagnose(&[record(&case).0], &[], &Options::default(), &|_, _| ()).expect("a diagnosis");

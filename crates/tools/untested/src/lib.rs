@@ -19,16 +19,20 @@
 //! until `--ignored` or `--include-ignored` asks for it. Filters, `--exact`, `--skip`, `--list`, `--nocapture` and
 //! `--test-threads` are those of the standard harness.
 //!
+//! A test of a rate takes its seeds from [`draws`].
+//!
 //! `cargo test --workspace` ends with one line for each reason: the test target `summary` of this package is the last to
 //! run, and reads what the suites of the same run have left in the target directory.
 #![forbid(unsafe_code)]
 
 mod capture;
+mod draws;
 mod need;
 mod suite;
 pub mod summary;
 
 pub use capture::print;
+pub use draws::draws;
 pub use need::{Need, recordings};
 pub use suite::{Place, Test, Tests, run, strict};
 
