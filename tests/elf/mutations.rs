@@ -44,9 +44,9 @@ fn check(image: &Image) -> Vec<String> {
     let mut decoder = Decoder::new();
     let (mut samples, mut forces, mut off) = (Vec::<Sample>::new(), Vec::new(), 0);
     for _ in 0..300 {
-        // the receiver is busy all the time
+        // more than the line brings in a period: a byte is received in every phase of it
         machine.serial_write(
-            b"status status status status status status status status status status status status\n",
+            b"status status status status status status status status status status status status status status\n",
         );
         for _ in 0..8 {
             machine.run_for(0.125);
