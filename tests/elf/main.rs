@@ -46,8 +46,6 @@ use std::process::ExitCode;
 
 /// Distance of the force's output from the end of conversion, µs: 40.6 µs after the trigger, of which the conversions take 21.5 µs.
 const LATENCY_US: f64 = 19.2;
-/// When the force is ready at the latest after the end of conversion, µs: 1 for the interrupt and the 1 700 cycles of cycles.rs.
-const READY_US: f64 = 11.0;
 
 fn main() -> ExitCode {
     untested::run!(
@@ -176,7 +174,8 @@ fn no_step_is_missed_under_full_load() {
         "swapping  control interrupt at most {:.0} cycles, force ready after {:.2} us",
         swap.step_cycles.max, swap.compute_us.max
     );
-    assert!(swap.compute_us.max < READY_US, "{:?}", swap.compute_us);
+    // half of the time there is
+    assert!(swap.compute_us.max < LATENCY_US / 2.0, "{:?}", swap.compute_us);
     board.ok("stream on");
     // slides, turns and sticks
     board.machine.set_hand(|t: f64, _: f64, v: f64| 6.0 * (6.0 * t).sin() - 5.0 * v);
@@ -216,7 +215,7 @@ fn no_step_is_missed_under_full_load() {
         s.watchdog_gap_ms.max,
     );
     assert_eq!((s.triggers, s.steps), (periods, periods));
-    assert!(s.compute_us.max < READY_US, "{:?}", s.compute_us);
+    assert!(s.compute_us.max < LATENCY_US / 2.0, "{:?}", s.compute_us);
     assert_eq!((s.missed, s.stale_outputs), (0, 0));
     // every byte sent once interrupted, and woke the tasks: 12 %
     assert!(s.load() < 0.1, "core awake {:.1} %", 100.0 * s.load());

@@ -85,7 +85,10 @@ fn a_hum_was_taken_for_a_late_force_or_for_noise() {
 #[test]
 fn a_hum_that_moves_the_body_was_taken_for_friction_over_speed() {
     let mut found = 0;
-    let cases = [(Motion::Triangle, 7.3), (Motion::Multisine, 11.6), (Motion::Chirp, 7.3)];
+    let cases: Vec<(Motion, f64)> = [Motion::Triangle, Motion::Multisine, Motion::Chirp]
+        .into_iter()
+        .flat_map(|motion| [7.3, 11.6].map(|frequency| (motion, frequency)))
+        .collect();
     for (motion, frequency) in &cases {
         let hum = Hidden::Hum { size: 0.2, frequency: *frequency };
         let case = Case { hidden: [hum, Hidden::Nothing], motion: *motion, seed: 31, ..Case::default() };

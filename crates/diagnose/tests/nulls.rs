@@ -60,7 +60,7 @@ fn the_thesis_experiment_hides_nothing() {
     let (mut quiet, mut total) = (0, 0);
     for material in [materials::BRASS, materials::TEFLON, materials::RUBBER] {
         let experiment = ThesisExperiment::on(&material).expect("a material of table 3-3");
-        for case in draws(3, 20) {
+        for case in 0..20 {
             let run = |seed| {
                 let series = experiment.recording(seed);
                 signals::Recording {
@@ -83,6 +83,5 @@ fn the_thesis_experiment_hides_nothing() {
         }
         println!("{}: {quiet} of {total} so far", material.name);
     }
-    // one in twenty, and one of however few
-    assert!(quiet * 20 >= total * 19 || quiet + 1 == total, "{quiet} of {total}");
+    assert!(quiet * 20 >= total * 19, "{quiet} of {total}");
 }

@@ -119,7 +119,7 @@ fn what_is_concealed_in_the_plane_is_named() {
         "{cases} concealed: {named_right} named, {placed} of {grains} grains placed, {misnamed} misnamed, {more} with more beside"
     );
     assert!(
-        10 * named_right >= 9 * cases && misnamed == 0 && 10 * placed >= 9 * grains && 10 * more <= cases
+        15 * named_right >= 14 * cases && misnamed == 0 && 20 * placed >= 19 * grains && 10 * more <= cases
     );
 }
 
