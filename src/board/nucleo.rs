@@ -33,7 +33,7 @@ use Quadrature as Position;
 use analog::Analog as Load;
 #[cfg(not(feature = "absolute-encoder"))]
 pub use quadrature::Quadrature;
-pub use serial::Serial;
+pub use serial::{RX_BYTES, SerialLine};
 pub use setup::ResetCause;
 pub use stop::{make_safe, restart};
 pub use timing::{LOOP_HZ, TICK_HZ};
@@ -58,12 +58,6 @@ use timing::{LATCH_COUNTS, PERIOD_TICKS};
 
 /// Time without a healthy loop after which the chip resets, µs.
 pub const WATCHDOG_US: u32 = 50_000;
-/// Baud rate of the serial line.
-pub const BAUD: u32 = 921_600;
-/// Bytes from the serial line that can wait for the listener: 5 ms of the line.
-pub const RX_BYTES: usize = 512;
-/// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
-const RX_WAKE: usize = 32;
 
 /// Owned by the interrupt after [`Peripherals::start`]. In this order: see [`ControlLoop`].
 #[repr(C)]
@@ -248,7 +242,7 @@ fn dac_code(force: f32, command: &Command) -> u16 {
 pub struct Peripherals {
     hardware: Hardware,
     /// Serial line.
-    pub serial: Serial,
+    pub serial: SerialLine,
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.
@@ -286,7 +280,7 @@ impl Peripherals {
         #[cfg(not(any(feature = "absolute-encoder", feature = "index-pulse")))]
         let position = Position;
 
-        let serial = Serial::open(p.PA2, p.PA3, p.DMA1_CH7);
+        let serial = SerialLine::open(p.PA2, p.PA3, p.DMA1_CH7);
 
         let (converter, reference) = chip::start_converter(p.ADC1, p.PC0, p.PC1);
         SUPPLY_MV.store(supply_mv(reference, pac::VREFINTCAL.data().read()), Relaxed);
@@ -361,7 +355,7 @@ impl Peripherals {
 /// Peripherals of the tasks while the loop runs.
 pub struct Rest {
     /// Serial line.
-    pub serial: Serial,
+    pub serial: SerialLine,
     /// Watchdog, not yet running.
     pub watchdog: IndependentWatchdog<'static, IWDG>,
     /// LD2.

@@ -1,7 +1,7 @@
 //! Executor of the task that listens to the serial line, in an interrupt of its own above all other tasks.
 //!
 //! The serial line wakes it when it falls idle, so that it hears an `off` some microseconds after its last byte, and in a
-//! flood every [`super::RX_WAKE`] bytes.
+//! flood every [`super::serial::RX_WAKE`] bytes.
 
 use embassy_executor::{InterruptExecutor, SendSpawner};
 use embassy_stm32::interrupt;

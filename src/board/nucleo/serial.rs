@@ -1,24 +1,32 @@
 //! The serial line: each received byte takes an interrupt, so that `off` is heard at once; what is sent goes by DMA.
 //!
-//! The HAL has a driver for each, but none for both on one peripheral. The one that receives is opened last: opening resets the
-//! peripheral, and it switches both directions on. The DMA is asked for anew with each piece.
+//! embassy has no driver that does both, so [`UartTx`] and [`BufferedUart`] share the peripheral. [`BufferedUart`] is opened last:
+//! opening a driver resets the peripheral, and this one enables both directions. [`UartTx`] sets CR3.DMAT, which the reset
+//! clears, at every write.
 
-use super::{BAUD, RX_BYTES, RX_WAKE, chip};
+use super::chip;
 use embassy_stm32::Peri;
 use embassy_stm32::mode::Async;
 use embassy_stm32::peripherals::{DMA1_CH7, PA2, PA3};
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, Config, UartTx};
 use static_cell::StaticCell;
 
+/// Baud rate.
+const BAUD: u32 = 921_600;
+/// Received bytes that can wait for the listener: 5 ms of the line.
+pub const RX_BYTES: usize = 512;
+/// Bytes after which the listener is woken while the line does not fall idle: 0.35 ms.
+pub(super) const RX_WAKE: usize = 32;
+
 /// The serial line of the ST-LINK.
-pub struct Serial {
+pub struct SerialLine {
     /// What is received.
     pub rx: BufferedUartRx<'static>,
     /// What is sent.
     pub tx: UartTx<'static, Async>,
 }
 
-impl Serial {
+impl SerialLine {
     /// Opens it, once.
     pub(super) fn open(tx: Peri<'static, PA2>, rx: Peri<'static, PA3>, dma: Peri<'static, DMA1_CH7>) -> Self {
         let mut settings = Config::default();
