@@ -21,9 +21,9 @@
 //! | ADC1: injected sequence, JEXTSEL and JEXTEN, OVSR, OVSS, SMPR, clock and its limit, busy, frozen settings | regular sequence, DMA, watchdogs, analogue errors, calibration |
 //! | DAC1 channel 1: EN, TEN, TSEL, the three alignments, HFSEL against the bus | channel 2, waveforms, output buffer |
 //! | TIM2-7: PSC preload, ARR, update and compare flags, encoder mode 3, CC inputs, TS, capture on TRC, MMS 2 and 8, one-pulse mode, outputs by PWM 1 and 2 and forced | encoder modes 1 and 2 (count nothing), input filter, dead time |
-//! | LPUART1: rate, FIFO, RXNE, TXE, TC, IDLE, overrun, framing | parity, DMA, wake-up |
+//! | LPUART1: rate, FIFO, RXNE, TXE, TC, IDLE, overrun, framing, DMA requests to send | parity, DMA requests to receive, wake-up |
 //! | SPI2 and SPI3: master of 8 bits, mode, rate against the chip's, FIFOs, NSS by hardware, DMA requests; an MT6835 and an ADS131M02 | CRC, slave, other sizes |
-//! | DMA1 and DMAMUX1: requests of TIM6, TIM7, SPI2 and SPI3, both directions, increment, circular | time on the bus, flags, interrupts |
+//! | DMA1 and DMAMUX1: requests of TIM6, TIM7, SPI2, SPI3 and LPUART1, both directions, increment, circular; flags of end and half; the interrupt of channel 7 | time on the bus, the error flag, other interrupts |
 //! | IWDG: keys, prescaler, reload | window |
 //! | GPIO: modes, alternate functions, pulls, levels | speed, open drain, lock |
 //! | NVIC: priorities; a control interrupt that waits for another handler is recorded | |

@@ -409,9 +409,10 @@ impl Soc {
     /// Makes the transfers that SPI2, SPI3 and LPUART1 ask the DMA for.
     fn serve(&mut self, now: u64) {
         loop {
-            let [[a, b], [c, d]] = [wants(&self.spi2, SPI2_REQUESTS), wants(&self.spi3, SPI3_REQUESTS)];
-            let e = self.lpuart.wants_to_send().then_some(LPUART1_TX_REQUEST);
-            if ![a, b, c, d, e].into_iter().flatten().any(|request| self.transfer(request, now)) {
+            let buses = [wants(&self.spi2, SPI2_REQUESTS), wants(&self.spi3, SPI3_REQUESTS)];
+            let serial = self.lpuart.wants_to_send().then_some(LPUART1_TX_REQUEST);
+            let mut asked = buses.into_iter().flatten().chain([serial]).flatten();
+            if !asked.any(|request| self.transfer(request, now)) {
                 break;
             }
         }
@@ -423,19 +424,19 @@ impl Soc {
         let (Transfer::ToRegister { address, .. } | Transfer::FromRegister { address, .. }) = transfer;
         let of_spi = (SPI2..SPI3 + 0x400).contains(&address);
         match transfer {
+            Transfer::ToRegister { value, .. } if of_spi => self.write_spi(address, value, now),
             Transfer::ToRegister { value, .. } if address == LPUART1 + lpuart::TDR => {
                 let hz = self.rcc.lpuart1();
                 self.lpuart.write(lpuart::TDR, value, now, hz);
             }
-            _ if !of_spi => {
-                self.violations.insert(format!("DMA1 at {address:#x}, which is not modelled"));
-                return false;
-            }
-            Transfer::ToRegister { value, .. } => self.write_spi(address, value, now),
-            Transfer::FromRegister { channel, .. } => {
+            Transfer::FromRegister { channel, .. } if of_spi => {
                 let offset = address & 0x3ff;
                 let value = if address < SPI3 { self.spi2.read(offset) } else { self.spi3.read(offset) };
                 self.dma.received(channel, value);
+            }
+            _ => {
+                self.violations.insert(format!("DMA1 at {address:#x}, which is not modelled"));
+                return false;
             }
         }
         self.violations.extend(self.dma.violation.take());
