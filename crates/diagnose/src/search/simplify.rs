@@ -69,8 +69,8 @@ impl Search<'_> {
         best
     }
 
-    /// Puts the effect that its shape is rather a case of in the place of a term: with a power above 1 a friction that
-    /// should level off grows faster than the speed, and beside a free viscous part that is friction which falls.
+    /// Puts the effect that its shape is rather a case of in the place of a term: a gap that is short beside the way behind it
+    /// is no stretch without force.
     pub fn rather(&self, best: Hypothesis) -> Hypothesis {
         let rather = |a: &Atom| match a.term.kind {
             TermKind::Force(kind) => kind.rather(&a.term.shape).map(TermKind::Force),

@@ -1,14 +1,17 @@
 //! Viscous friction that levels off with speed: the lubricant shears thin, or the film builds up.
 
 use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Signature, by_direction};
-use super::{About, Describe, Parameter, BY_DIRECTION, EffectKind, Example, Quantity, Scale};
+use super::{About, Describe, Parameter, BY_DIRECTION, Example, Quantity, Scale};
 use crate::{Dimension, Motion, Scalar};
+
+/// Largest power of the speed. The film's is 1 or less; what an estimate may err by is beside it, and no more: from there on
+/// friction grows faster than the speed, falls again or has another reason, and ending here says so.
+const STEEPEST: f64 = 1.1;
 
 /// Viscous friction that levels off.
 ///
 /// F = s·force·(1 − exp(−(|v|/v_0)^power)), s = sgn v; by direction. For |v| ≪ v_0 this is the power law
-/// s·(|v|/v_0)^power, for |v| ≫ v_0 a level. With a power above 1 it is, beside a free viscous part, friction that falls,
-/// and rather a case of [`Stribeck`](super::Stribeck).
+/// s·(|v|/v_0)^power, for |v| ≫ v_0 a level.
 ///
 /// ```
 /// use friction::Motion;
@@ -37,7 +40,7 @@ impl Describe for SublinearViscous {
         groups: BY_DIRECTION,
         shape: &[
             Parameter::shape("v_0", Scale::Speed, (1e-6, 1e2), "speed at which it levels off"),
-            Parameter::shape("power", Scale::Range, (0.2, 2.0), "power of the speed below v_0"),
+            Parameter::shape("power", Scale::Range, (0.2, STEEPEST), "power of the speed below v_0"),
         ],
         reads: &[Quantity::Velocity],
         opposes_motion: true,
@@ -56,9 +59,5 @@ impl Signature for SublinearViscous {
         let v = motion.velocity;
         let risen = S::one() - (-(v.abs() / v_0).powf(power)).exp();
         by_direction(v, v.sgn() * risen)
-    }
-
-    fn rather([_, power]: &[f64; MAX_SHAPE]) -> Option<EffectKind> {
-        (*power > 1.0).then_some(EffectKind::Stribeck)
     }
 }

@@ -54,6 +54,15 @@ fn a_part_of_something_unknown_was_told_as_compliance_backlash_or_rising_static_
     }
 }
 
+#[test]
+fn an_eddy_current_brake_was_viscous_friction_that_rises_faster_than_the_speed() {
+    for case in cases("brake", &["eddy_current_brake"], (draws(1, 2).end, 1), 2.0) {
+        let named = case["named"].as_array().unwrap();
+        assert!(named.iter().all(|n| n == "unnamed"), "{}: {named:?}", case["hidden"]);
+        assert_eq!(named.is_empty(), case["kind"] == "null", "{}", case["hidden"]);
+    }
+}
+
 /// Friction that is another from a moment on was told as a drift of seconds; what acted for a second only, as no mismatch.
 #[test]
 fn what_happened_once_was_a_drift_or_nothing() {
