@@ -79,7 +79,7 @@ fn example(kind: EffectKind) -> Effect<f64> {
     for (value, parameter) in effect.shape.iter_mut().zip(kind.shape()) {
         let named = shape.iter().find(|(name, _)| *name == parameter.name).map(|(_, value)| *value);
         *value = named.unwrap_or(if parameter.dimension == Dimension::NUMBER {
-            1.3
+            1.3_f64.clamp(parameter.min, parameter.max)
         } else {
             (parameter.min * parameter.max).sqrt()
         });
