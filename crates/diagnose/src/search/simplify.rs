@@ -69,8 +69,8 @@ impl Search<'_> {
         best
     }
 
-    /// Puts the effect that its shape is rather a case of in the place of a term: a gap that is short beside the way behind it
-    /// is no stretch without force.
+    /// Replaces a term by the effect that its shape amounts to, where that one fits as well: lost motion with hardly any gap is
+    /// presliding.
     pub fn rather(&self, best: Hypothesis) -> Hypothesis {
         let rather = |a: &Atom| match a.term.kind {
             TermKind::Force(kind) => kind.rather(&a.term.shape).map(TermKind::Force),

@@ -4,8 +4,8 @@ use super::signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Signature, by_direction
 use super::{About, Describe, Parameter, BY_DIRECTION, Example, Quantity, Scale};
 use crate::{Dimension, Motion, Scalar};
 
-/// Largest power of the speed. The film's is 1 or less; what an estimate may err by is beside it, and no more: from there on
-/// friction grows faster than the speed, falls again or has another reason, and ending here says so.
+/// Largest power of the speed: 1, the steepest a film is, and a margin for the error of an estimate. Steeper friction is
+/// another effect, so a fit pushed to this bound is withdrawn.
 const STEEPEST: f64 = 1.1;
 
 /// Viscous friction that levels off.
