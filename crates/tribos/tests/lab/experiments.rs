@@ -36,6 +36,21 @@ fn start(page: &mut Page) {
     }
 }
 
+/// Goes through the cases of a trial, each once the one before it is felt.
+fn feel_every_case(page: &mut Page) {
+    for case in ["a", "b"] {
+        page.key("Enter");
+        page.until("the next case", &format!("lab.known.experiment.cases.case === '{case}'"), 5);
+    }
+}
+
+/// Feels every case and answers; `done` trials are then finished.
+fn answer(page: &mut Page, key: &str, done: u32) {
+    feel_every_case(page);
+    page.key(key);
+    page.until("answered", &format!("lab.known.experiment.done === {done}"), 5);
+}
+
 /// Goes to the target and clicks, until so many valid clicks or the segment is over.
 fn click_targets(page: &mut Page, clicks: u32) {
     for _ in 0..clicks {
@@ -123,10 +138,7 @@ pub fn a_segment_of_targeting_and_a_batch_of_forced_choice_by_script() {
             10,
         );
         assert_eq!(page.eval("lab.known.experiment.cases.may_answer"), json!(false));
-        for case in ["a", "b"] {
-            page.key("Enter");
-            page.until("the next case", &format!("lab.known.experiment.cases.case === '{case}'"), 5);
-        }
+        feel_every_case(&mut page);
         if trial == 0 {
             page.until(
                 "three cases are felt",
@@ -181,15 +193,7 @@ pub fn what_is_finished_survives_the_death_of_server_browser_and_device() {
     let mut page = connected(&lab, &chromium);
     begin(&mut page, "choice");
     start(&mut page);
-    let answer = |page: &mut Page, done: u32| {
-        for case in ["a", "b"] {
-            page.key("Enter");
-            page.until("the next case", &format!("lab.known.experiment.cases.case === '{case}'"), 5);
-        }
-        page.key("a");
-        page.until("answered", &format!("lab.known.experiment.done === {done}"), 5);
-    };
-    answer(&mut page, 1);
+    answer(&mut page, "a", 1);
     page.key("Enter");
     page.until("in the middle of a trial", "lab.known.experiment.cases.case === 'a'", 5);
 
@@ -212,7 +216,7 @@ pub fn what_is_finished_survives_the_death_of_server_browser_and_device() {
     page.eval("document.querySelector('#sessions button').click()");
     page.until("it goes on", "lab.known.experiment && lab.known.experiment.done === 1", 5);
     start(&mut page);
-    answer(&mut page, 2);
+    answer(&mut page, "a", 2);
 
     // the browser's process, in the middle of a trial: nobody watches, so force goes off, and the trial that ran is none
     page.key("Enter");
@@ -227,7 +231,7 @@ pub fn what_is_finished_survives_the_death_of_server_browser_and_device() {
     assert_eq!(found, json!([2, false, "idle"]));
     assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 2);
     start(&mut page);
-    answer(&mut page, 3);
+    answer(&mut page, "a", 3);
 
     // the page is left
     page.goto("about:blank");
@@ -238,7 +242,7 @@ pub fn what_is_finished_survives_the_death_of_server_browser_and_device() {
     println!("page left: {found}");
     assert_eq!(found, json!([3, false, "idle"]));
     start(&mut page);
-    answer(&mut page, 4);
+    answer(&mut page, "a", 4);
     assert_eq!(session(folder.path(), "choice-s01-1").records.len(), 4);
 }
 
@@ -261,12 +265,7 @@ pub fn a_pulled_cable_is_told_in_plain_words_and_finished_trials_are_kept() {
     );
     begin(&mut page, "choice");
     start(&mut page);
-    for _ in 0..2 {
-        page.key("Enter");
-        std::thread::sleep(Duration::from_millis(150));
-    }
-    page.key("b");
-    page.until("answered", "lab.known.experiment.done === 1", 5);
+    answer(&mut page, "b", 1);
     drop(cable);
     page.until(
         "the page says so",
