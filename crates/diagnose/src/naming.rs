@@ -5,6 +5,7 @@ use crate::findings::validate::{Frozen, Judge};
 use crate::free_form::contradiction::{self, Resolved};
 use crate::free_form::describe::{Described, Gain};
 use crate::free_form::switching::switching;
+use crate::free_form::term::FreeTerm;
 use crate::library::applied_force::AppliedForce;
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
@@ -37,6 +38,9 @@ const SMALL: f64 = 1.0 / 3.0;
 
 /// The same of several names: together they leave more than they explain.
 const LESS_THAN_LEFT: f64 = 0.5;
+
+/// Share of the squared error that a smooth curve over time leaves below which steps take its place.
+const OUTDONE: f64 = 0.5;
 
 /// Searches at most: one more after each in which something did not last.
 const ROUNDS: usize = 3;
@@ -181,12 +185,14 @@ impl Named {
         Ok(())
     }
 
-    /// Describes an error that nothing else explains by what comes and goes.
+    /// Describes an error that nothing else explains, or only a smooth curve over time in part, by what comes and goes.
     fn describe_what_comes_and_goes(&mut self, options: &Options, cutoff: f64) {
-        if !self.found.atoms.is_empty() || !self.last.free.is_empty() {
+        if !self.found.atoms.is_empty() || !self.last.free.iter().all(FreeTerm::is_of_time) {
             return;
         }
-        if let Some(described) = switching(&self.search(options, cutoff), &self.found) {
+        let left = self.last.fit.heldout_sum();
+        let better = |d: &Described| self.last.free.is_empty() || d.fit.heldout_sum() < OUTDONE * left;
+        if let Some(described) = switching(&self.search(options, cutoff), &self.found).filter(better) {
             (self.last, self.gains) = (described.beside(&self.found), described.gains);
         }
     }

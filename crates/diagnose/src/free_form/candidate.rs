@@ -17,11 +17,40 @@ pub struct Candidate {
     pub change: Option<f64>,
 }
 
+/// How fine a free form is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fineness {
+    /// Knots on its first axis and, of a map, on the other.
+    pub knots: (usize, usize),
+    /// Most directions of its values that are free, the smoothest first.
+    pub directions: usize,
+}
+
+impl Fineness {
+    /// A curve with every value free.
+    pub fn curve(knots: usize) -> Self {
+        Self { knots: (knots, 0), directions: knots }
+    }
+
+    /// A curve over time.
+    pub fn over_time(directions: usize) -> Self {
+        Self { knots: (OVER_TIME.0, 0), directions }
+    }
+
+    /// A map with every value free.
+    pub fn map(first: usize, second: usize) -> Self {
+        Self { knots: (first, second), directions: first * second }
+    }
+}
+
 /// Time constants of what was slid, as shares of the length of the longest recording.
 const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 
 /// Knots of a curve, and of either axis of a map, at first.
 const FIRST: (usize, usize) = (14, 6);
+/// Knots of a curve over time, and directions that are free at first. Blocks that are held out are stretches of time: a knot
+/// of which only one of them tells says anything there.
+const OVER_TIME: (usize, usize) = (16, 6);
 
 /// Most samples that decide where knots stand.
 const SAMPLES: usize = 20_000;
@@ -131,10 +160,19 @@ impl Candidate {
 
     /// Numbers of knots to begin with.
     pub fn first_knots(&self) -> (usize, usize) {
+        self.first().knots
+    }
+
+    /// How fine it is to begin with.
+    pub fn first(&self) -> Fineness {
         if self.change.is_some() {
-            return (2, 0);
+            return Fineness::curve(2);
         }
-        if self.across.is_some() { (FIRST.1, FIRST.1) } else { (FIRST.0, 0) }
+        match self.across {
+            Some(_) => Fineness::map(FIRST.1, FIRST.1),
+            None if self.over == Coordinate::Time => Fineness::over_time(OVER_TIME.1),
+            None => Fineness::curve(FIRST.0),
+        }
     }
 
     /// The form with knots where the motion is: `first` on its first axis, `second` on the other. None where a coordinate

@@ -1,6 +1,6 @@
 //! The search for free forms: the one that predicts best what it was not fitted on, then the next.
 
-use crate::free_form::candidate::{Candidate, Library};
+use crate::free_form::candidate::{Candidate, Fineness, Library};
 use crate::free_form::change::Changes;
 use crate::free_form::crossing;
 use crate::free_form::term::FreeTerm;
@@ -19,9 +19,11 @@ const MOST: usize = 3;
 /// Knots tried for the best candidates.
 const CURVES: [usize; 3] = [5, 8, 22];
 const MAPS: [(usize, usize); 4] = [(4, 4), (5, 8), (8, 5), (10, 10)];
+/// Directions that are tried for the best curves over time.
+const OVER_TIME: [usize; 4] = [3, 4, 9, 13];
 /// Memories between one of the library and the next, as shares of it.
 const AROUND: [f64; 4] = [0.56, 0.75, 1.33, 1.78];
-/// Candidates that are tried with other knots, and the best map: at first a map is coarse.
+/// Candidates that are tried finer and coarser, and the best map: at first a map is coarse.
 const CLOSER: usize = 3;
 /// Relative increase of the held-out error that is accepted for fewer columns, or for a memory of the library.
 const SIMPLER: f64 = 0.02;
@@ -131,10 +133,10 @@ impl Described {
     }
 }
 
-/// A candidate with its knots, and how it does.
+/// A candidate, how fine it is, and how it does.
 struct Trial {
     candidate: Candidate,
-    knots: (usize, usize),
+    fineness: Fineness,
     term: FreeTerm,
     fit: Fit,
     /// Family-wise p, of the candidate that it is a refinement of.
@@ -158,17 +160,18 @@ fn next(
     // the difference of two memories of nearly one length is a derivative, of any size
     let remembers =
         |c: &Candidate, f: &FreeForm<f64>| f.over == c.over && f.times == c.times && f.memory != c.memory;
-    let trial = |candidate: Candidate, (first, second): (usize, usize)| -> Option<Trial> {
+    let trial = |candidate: Candidate, fineness: Fineness| -> Option<Trial> {
         if so_far.terms.iter().any(|t| remembers(&candidate, &t.form)) {
             return None;
         }
-        let count = if candidate.across.is_some() { first * second } else { first };
-        let (form, all) = (20 * count <= rows).then(|| library.get(design, candidate, first, second))??;
-        let term = FreeTerm::new(&basis, form, all)?;
+        let Fineness { knots: (first, second), directions } = fineness;
+        let (form, all) =
+            (20 * directions <= rows).then(|| library.get(design, candidate, first, second))??;
+        let term = FreeTerm::new(&basis, form, all, directions)?;
         let all: Vec<&[f64]> =
             columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
         let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
-        Some(Trial { candidate, knots: (first, second), term, fit, p: 1.0 })
+        Some(Trial { candidate, fineness, term, fit, p: 1.0 })
     };
     let changes = Changes::new(design, &basis, &so_far.fit.residual);
     let mut trials: Vec<Trial> = library
@@ -176,7 +179,7 @@ fn next(
         .par_iter()
         .chain(&changes.candidates)
         .copied()
-        .filter_map(|c| trial(c, c.first_knots()))
+        .filter_map(|c| trial(c, c.first()))
         .collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
@@ -189,8 +192,8 @@ fn next(
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
     let refined = |i: usize| {
         let Trial { candidate, p, .. } = trials[i];
-        let with = move |knots| trial(candidate, knots).map(|t| Trial { p, ..t });
-        other_knots(&candidate).into_par_iter().filter_map(with)
+        let with = move |fineness| trial(candidate, fineness).map(|t| Trial { p, ..t });
+        finer_and_coarser(&candidate).into_par_iter().filter_map(with)
     };
     let closest: Vec<usize> = (0..trials.len()).filter(closest).collect();
     let finer: Vec<Trial> = closest.into_par_iter().flat_map(refined).collect();
@@ -207,7 +210,7 @@ fn next(
     while let Some(chosen) = simplest(&mut trials) {
         let (of, p) = (chosen.candidate, chosen.p);
         let others: Vec<Trial> =
-            around(&chosen).into_par_iter().filter_map(|c| trial(c, chosen.knots)).collect();
+            around(&chosen).into_par_iter().filter_map(|c| trial(c, chosen.fineness)).collect();
         let nearer = |a: &Trial, b: &Trial| heldout(b) < (1.0 - SIMPLER) * heldout(a);
         let chosen = others.into_iter().fold(chosen, |a, b| if nearer(&a, &b) { b } else { a });
         let after = heldout(&chosen);
@@ -231,12 +234,18 @@ fn next(
     None
 }
 
-/// Numbers of knots that a candidate is tried with besides the first.
-fn other_knots(candidate: &Candidate) -> Vec<(usize, usize)> {
+/// What a candidate is tried with besides the first.
+fn finer_and_coarser(candidate: &Candidate) -> Vec<Fineness> {
     if candidate.change.is_some() {
         return Vec::new();
     }
-    if candidate.across.is_some() { MAPS.to_vec() } else { CURVES.map(|knots| (knots, 0)).to_vec() }
+    if candidate.across.is_some() {
+        return MAPS.map(|(first, second)| Fineness::map(first, second)).to_vec();
+    }
+    if candidate.over == Coordinate::Time {
+        return OVER_TIME.map(Fineness::over_time).to_vec();
+    }
+    CURVES.map(Fineness::curve).to_vec()
 }
 
 /// The same curve with the memories around its own; none where it has no memory.

@@ -11,6 +11,11 @@ use std::sync::Arc;
 const DETERMINED: f64 = 1e-3;
 /// Smallest share that must lie outside of what is already in the model.
 const OUTSIDE: f64 = 1e-4;
+/// Weight of a slope beside that of a bend of the same size in the roughness: what a motion does not reach is continued
+/// level rather than straight.
+const SLOPE: f64 = 0.05;
+/// Roughness of any value at all, so that what is level has one.
+const ROUGH: f64 = 1e-6;
 
 /// Columns that go through the filter together.
 const LANES: usize = 8;
@@ -27,6 +32,8 @@ pub struct FreeTerm {
     pub columns: Vec<Vec<f64>>,
     /// Values at the knots for a unit of each column.
     modes: Vec<Vec<f64>>,
+    /// Most columns: where fewer than there are values, the smoothest directions.
+    most: usize,
     /// Standard deviation of each value; zeros before a fit.
     pub std: Vec<f64>,
 }
@@ -61,11 +68,13 @@ impl DesignMatrix {
 impl FreeTerm {
     /// The same form outside the span of another basis.
     pub fn outside(&self, basis: &Basis) -> Option<Self> {
-        Self::new(basis, self.form, self.all.clone())
+        Self::new(basis, self.form, self.all.clone(), self.most)
     }
 
-    /// The directions of `form` outside the span of `basis`; None where there is none. `all` are its columns.
-    pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>) -> Option<Self> {
+    /// The directions of `form` outside the span of `basis`; None where there is none. `all` are its columns. Where fewer than
+    /// all directions are free, they are the smoothest: a block that is held out is a stretch of time, and a curve over time
+    /// that is free there says anything.
+    pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>, most: usize) -> Option<Self> {
         let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
         let count = all.len();
         let gram = DMatrix::from_fn(count, count, |i, j| dot(&rest[i], &rest[j]));
@@ -73,15 +82,13 @@ impl FreeTerm {
             return None;
         }
         let whole = all.iter().map(|c| dot(c, c)).fold(0.0, f64::max);
-        let eigen = gram.symmetric_eigen();
-        let most = eigen.eigenvalues.max();
-        let mut order: Vec<usize> =
-            (0..count).filter(|k| eigen.eigenvalues[*k] > (DETERMINED * most).max(OUTSIDE * whole)).collect();
-        order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
-        let modes: Vec<Vec<f64>> =
-            order.iter().map(|k| eigen.eigenvectors.column(*k).iter().copied().collect()).collect();
+        let directions = if most < count { smoothest(&gram)? } else { strongest(gram) };
+        let power = directions.iter().map(|(power, _)| *power).fold(0.0, f64::max);
+        let determined = |power_of: f64| power_of > (DETERMINED * power).max(OUTSIDE * whole);
+        let determined = directions.into_iter().filter(|(power, _)| determined(*power));
+        let modes: Vec<Vec<f64>> = determined.map(|(_, mode)| mode).take(most).collect();
         let columns: Vec<Vec<f64>> = modes.iter().map(|mode| combine(&all, mode)).collect();
-        (!columns.is_empty()).then(|| Self { form, all, columns, modes, std: vec![0.0; count] })
+        (!columns.is_empty()).then(|| Self { form, all, columns, modes, most, std: vec![0.0; count] })
     }
 
     /// The same with the values of a fit.
@@ -105,6 +112,49 @@ impl FreeTerm {
     pub fn contribution(&self, design: &DesignMatrix) -> Vec<f64> {
         combine(&design.free_columns(&self.form), self.form.values())
     }
+}
+
+/// Directions of the values, each with its power in the samples, strongest first.
+fn strongest(gram: DMatrix<f64>) -> Vec<(f64, Vec<f64>)> {
+    let eigen = gram.symmetric_eigen();
+    let column = |k: usize| eigen.eigenvectors.column(k).iter().copied().collect();
+    let mut out: Vec<(f64, Vec<f64>)> =
+        (0..eigen.eigenvalues.len()).map(|k| (eigen.eigenvalues[k], column(k))).collect();
+    out.sort_by(|a, b| b.0.total_cmp(&a.0));
+    out
+}
+
+/// The same, those first that are smoothest for their power: the basis of [demmler-reinsch-1975], of which a penalised
+/// fit takes the more the less it is penalised.
+fn smoothest(gram: &DMatrix<f64>) -> Option<Vec<(f64, Vec<f64>)>> {
+    let lower = roughness(gram.nrows()).cholesky()?.l();
+    let half = lower.solve_lower_triangular(gram)?;
+    let both = lower.solve_lower_triangular(&half.transpose())?;
+    let eigen = (0.5 * (&both + both.transpose())).symmetric_eigen();
+    let values = lower.transpose().solve_upper_triangular(&eigen.eigenvectors)?;
+    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let mode = |k: usize| {
+        let mode = values.column(k);
+        let size = mode.norm();
+        (eigen.eigenvalues[k] / (size * size), mode.iter().map(|x| x / size).collect())
+    };
+    Some(order.into_iter().map(mode).collect())
+}
+
+/// Quadratic form of the values of a curve: squares of its bends and, weaker, of its slopes.
+fn roughness(count: usize) -> DMatrix<f64> {
+    let mut out = DMatrix::from_diagonal_element(count, count, ROUGH);
+    for (weight, difference) in [(SLOPE, &[-1.0, 1.0][..]), (1.0, &[1.0, -2.0, 1.0])] {
+        for from in 0..(count + 1).saturating_sub(difference.len()) {
+            for (i, a) in difference.iter().enumerate() {
+                for (j, b) in difference.iter().enumerate() {
+                    out[(from + i, from + j)] += weight * a * b;
+                }
+            }
+        }
+    }
+    out
 }
 
 /// Σ share·column.
