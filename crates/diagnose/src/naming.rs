@@ -39,7 +39,7 @@ const SMALL: f64 = 1.0 / 3.0;
 /// The same of several names: together they leave more than they explain.
 const LESS_THAN_LEFT: f64 = 0.5;
 
-/// Share of the squared error that a smooth curve over time leaves below which steps take its place.
+/// Steps take the place of a smooth curve over time if they leave less than this share of its squared error.
 const OUTDONE: f64 = 0.5;
 
 /// Searches at most: one more after each in which something did not last.

@@ -89,8 +89,8 @@ fn a_fan_that_was_switched_on_and_off_was_no_mismatch() {
     assert!(10 * found >= 9 * total && 20 * right >= 19 * moments);
 }
 
-/// Said to be no mismatch, with 4 floors left. A curve over time had knots that one block only told of, and did worse on each
-/// block that it was not fitted on than no curve.
+/// The answer was *no mismatch* at five times the noise floor. Some knots of the curve over time had data in one block only,
+/// so leaving that block out made the curve worse than none.
 #[test]
 fn a_viscous_coefficient_that_wanders_between_pauses_was_no_mismatch() {
     for seed in draws(1, 3) {

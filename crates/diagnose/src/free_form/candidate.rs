@@ -32,7 +32,7 @@ impl Fineness {
         Self { knots: (knots, 0), directions: knots }
     }
 
-    /// A curve over time.
+    /// A curve over time with its smoothest directions free.
     pub fn over_time(directions: usize) -> Self {
         Self { knots: (OVER_TIME.0, 0), directions }
     }
@@ -48,8 +48,8 @@ const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 
 /// Knots of a curve, and of either axis of a map, at first.
 const FIRST: (usize, usize) = (14, 6);
-/// Knots of a curve over time, and directions that are free at first. Blocks that are held out are stretches of time: a knot
-/// of which only one of them tells says anything there.
+/// Knots of a curve over time, and its free directions at first. Cross-validation leaves out stretches of time: with all
+/// directions free, a knot inside the stretch would be undetermined.
 const OVER_TIME: (usize, usize) = (16, 6);
 
 /// Most samples that decide where knots stand.

@@ -53,7 +53,7 @@ fn forms(design: &DesignMatrix, mut basis: Basis, factor: Factor, rows: &[usize]
     let times = row_times(design);
     let form = |row: &usize| {
         let form = Candidate::change(moment_of(design, &times, *row), factor).form(design, 2, 0)?;
-        let term = FreeTerm::new(&basis, form, Arc::new(design.free_columns(&form)), usize::MAX)?;
+        let term = FreeTerm::new(&basis, form, Arc::new(design.free_columns(&form)), form.count())?;
         term.columns.iter().for_each(|c| {
             basis.push(c);
         });

@@ -2,7 +2,7 @@
 
 use crate::library::design_matrix::DesignMatrix;
 use friction::{FreeForm, FreeFormState};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use signals::{Basis, dot};
 use std::sync::Arc;
@@ -11,10 +11,9 @@ use std::sync::Arc;
 const DETERMINED: f64 = 1e-3;
 /// Smallest share that must lie outside of what is already in the model.
 const OUTSIDE: f64 = 1e-4;
-/// Weight of a slope beside that of a bend of the same size in the roughness: what a motion does not reach is continued
-/// level rather than straight.
+/// Weight of slopes in the roughness; bends have 1. It makes a curve level off where there is no data.
 const SLOPE: f64 = 0.05;
-/// Roughness of any value at all, so that what is level has one.
+/// Ridge that keeps the roughness positive definite: a constant has no slope and no bend.
 const ROUGH: f64 = 1e-6;
 
 /// Columns that go through the filter together.
@@ -32,7 +31,7 @@ pub struct FreeTerm {
     pub columns: Vec<Vec<f64>>,
     /// Values at the knots for a unit of each column.
     modes: Vec<Vec<f64>>,
-    /// Most columns: where fewer than there are values, the smoothest directions.
+    /// Most columns that are kept.
     most: usize,
     /// Standard deviation of each value; zeros before a fit.
     pub std: Vec<f64>,
@@ -71,9 +70,8 @@ impl FreeTerm {
         Self::new(basis, self.form, self.all.clone(), self.most)
     }
 
-    /// The directions of `form` outside the span of `basis`; None where there is none. `all` are its columns. Where fewer than
-    /// all directions are free, they are the smoothest: a block that is held out is a stretch of time, and a curve over time
-    /// that is free there says anything.
+    /// The independent columns of `form` outside the span of `basis`; None if there are none. `all` has a column for each value.
+    /// At most `most` are kept; if that is fewer than there are values, the smoothest.
     pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>, most: usize) -> Option<Self> {
         let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
         let count = all.len();
@@ -124,22 +122,19 @@ fn strongest(gram: DMatrix<f64>) -> Vec<(f64, Vec<f64>)> {
     out
 }
 
-/// The same, those first that are smoothest for their power: the basis of [demmler-reinsch-1975], of which a penalised
-/// fit takes the more the less it is penalised.
+/// The same in the basis of [demmler-reinsch-1975], smoothest first: the lighter the penalty, the more of these directions a
+/// smoothing spline follows.
 fn smoothest(gram: &DMatrix<f64>) -> Option<Vec<(f64, Vec<f64>)>> {
     let lower = roughness(gram.nrows()).cholesky()?.l();
     let half = lower.solve_lower_triangular(gram)?;
     let both = lower.solve_lower_triangular(&half.transpose())?;
-    let eigen = (0.5 * (&both + both.transpose())).symmetric_eigen();
-    let values = lower.transpose().solve_upper_triangular(&eigen.eigenvectors)?;
-    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
-    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
-    let mode = |k: usize| {
-        let mode = values.column(k);
+    let upper = lower.transpose();
+    let mode = |(power, direction): (f64, Vec<f64>)| {
+        let mode = upper.solve_upper_triangular(&DVector::from_vec(direction))?;
         let size = mode.norm();
-        (eigen.eigenvalues[k] / (size * size), mode.iter().map(|x| x / size).collect())
+        Some((power / (size * size), mode.iter().map(|x| x / size).collect()))
     };
-    Some(order.into_iter().map(mode).collect())
+    strongest(0.5 * (&both + both.transpose())).into_iter().map(mode).collect()
 }
 
 /// Quadratic form of the values of a curve: squares of its bends and, weaker, of its slopes.
