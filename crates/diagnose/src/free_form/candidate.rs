@@ -18,39 +18,42 @@ pub struct Candidate {
 }
 
 /// How fine a free form is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Fineness {
     /// Knots on its first axis and, of a map, on the other.
     pub knots: (usize, usize),
-    /// Most directions of its values that are free, the smoothest first.
-    pub directions: usize,
+    /// Numbers of directions of its values that are tried, each time the smoothest. A knot that few blocks tell of, such as the
+    /// highest speed or a stretch of time, is hardly determined where they are held out, unless the curve is smooth.
+    pub directions: &'static [usize],
 }
 
 impl Fineness {
-    /// A curve with every value free.
-    pub fn curve(knots: usize) -> Self {
-        Self { knots: (knots, 0), directions: knots }
+    const fn curve(knots: usize, directions: &'static [usize]) -> Self {
+        Self { knots: (knots, 0), directions }
     }
 
-    /// A curve over time with its smoothest directions free.
-    pub fn over_time(directions: usize) -> Self {
-        Self { knots: (OVER_TIME.0, 0), directions }
-    }
-
-    /// A map with every value free.
-    pub fn map(first: usize, second: usize) -> Self {
-        Self { knots: (first, second), directions: first * second }
+    const fn map(first: usize, second: usize, directions: &'static [usize]) -> Self {
+        Self { knots: (first, second), directions }
     }
 }
 
 /// Time constants of what was slid, as shares of the length of the longest recording.
 const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 
-/// Knots of a curve, and of either axis of a map, at first.
-const FIRST: (usize, usize) = (14, 6);
-/// Knots of a curve over time, and its free directions at first. Cross-validation leaves out stretches of time: with all
-/// directions free, a knot inside the stretch would be undetermined.
-const OVER_TIME: (usize, usize) = (16, 6);
+const FIRST_CURVE: Fineness = Fineness::curve(14, &[7, 14]);
+const FIRST_OVER_TIME: Fineness = Fineness::curve(16, &[6]);
+const FIRST_MAP: Fineness = Fineness::map(6, 6, &[36]);
+const CHANGE: Fineness = Fineness::curve(2, &[2]);
+/// What the best candidates are tried with besides.
+const CURVES: [Fineness; 3] =
+    [Fineness::curve(5, &[5]), Fineness::curve(8, &[8]), Fineness::curve(22, &[4, 6, 9, 13, 22])];
+const OVER_TIME: [Fineness; 1] = [Fineness::curve(16, &[3, 4, 9, 13])];
+const MAPS: [Fineness; 4] = [
+    Fineness::map(4, 4, &[16]),
+    Fineness::map(5, 8, &[40]),
+    Fineness::map(8, 5, &[40]),
+    Fineness::map(10, 10, &[100]),
+];
 
 /// Most samples that decide where knots stand.
 const SAMPLES: usize = 20_000;
@@ -158,20 +161,23 @@ impl Candidate {
         Self { change: Some(at), ..Self::curve(Coordinate::Time, times) }
     }
 
-    /// Numbers of knots to begin with.
-    pub fn first_knots(&self) -> (usize, usize) {
-        self.first().knots
-    }
-
     /// How fine it is to begin with.
     pub fn first(&self) -> Fineness {
-        if self.change.is_some() {
-            return Fineness::curve(2);
+        match (self.change, self.across) {
+            (Some(_), _) => CHANGE,
+            (None, Some(_)) => FIRST_MAP,
+            (None, None) if self.over == Coordinate::Time => FIRST_OVER_TIME,
+            (None, None) => FIRST_CURVE,
         }
-        match self.across {
-            Some(_) => Fineness::map(FIRST.1, FIRST.1),
-            None if self.over == Coordinate::Time => Fineness::over_time(OVER_TIME.1),
-            None => Fineness::curve(FIRST.0),
+    }
+
+    /// What it is tried with besides.
+    pub fn finer_and_coarser(&self) -> &'static [Fineness] {
+        match (self.change, self.across) {
+            (Some(_), _) => &[],
+            (None, Some(_)) => &MAPS,
+            (None, None) if self.over == Coordinate::Time => &OVER_TIME,
+            (None, None) => &CURVES,
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::free_form::candidate::{Candidate, Fineness, Library};
 use crate::free_form::change::Changes;
 use crate::free_form::crossing;
-use crate::free_form::term::FreeTerm;
+use crate::free_form::term::{Addition, FreeTerm};
 use crate::library::baseline;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::{FOLDS, Fit, fit};
@@ -16,11 +16,6 @@ use signals::{Basis, dot};
 
 /// Most free forms.
 const MOST: usize = 3;
-/// Knots tried for the best candidates.
-const CURVES: [usize; 3] = [5, 8, 22];
-const MAPS: [(usize, usize); 4] = [(4, 4), (5, 8), (8, 5), (10, 10)];
-/// Directions that are tried for the best curves over time.
-const OVER_TIME: [usize; 4] = [3, 4, 9, 13];
 /// Memories between one of the library and the next, as shares of it.
 const AROUND: [f64; 4] = [0.56, 0.75, 1.33, 1.78];
 /// Candidates that are tried finer and coarser, and the best map: at first a map is coarse.
@@ -136,7 +131,7 @@ impl Described {
 /// A candidate, how fine it is, and how it does.
 struct Trial {
     candidate: Candidate,
-    fineness: Fineness,
+    knots: (usize, usize),
     term: FreeTerm,
     fit: Fit,
     /// Family-wise p, of the candidate that it is a refinement of.
@@ -160,31 +155,37 @@ fn next(
     // the difference of two memories of nearly one length is a derivative, of any size
     let remembers =
         |c: &Candidate, f: &FreeForm<f64>| f.over == c.over && f.times == c.times && f.memory != c.memory;
-    let trial = |candidate: Candidate, fineness: Fineness| -> Option<Trial> {
+    let with = |candidate: Candidate, (first, second): (usize, usize), directions: &[usize]| -> Vec<Trial> {
         if so_far.terms.iter().any(|t| remembers(&candidate, &t.form)) {
-            return None;
+            return Vec::new();
         }
-        let Fineness { knots: (first, second), directions } = fineness;
-        let (form, all) =
-            (20 * directions <= rows).then(|| library.get(design, candidate, first, second))??;
-        let term = FreeTerm::new(&basis, form, all, directions)?;
-        let all: Vec<&[f64]> =
-            columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
-        let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
-        Some(Trial { candidate, fineness, term, fit, p: 1.0 })
+        let addition = library
+            .get(design, candidate, first, second)
+            .and_then(|(form, all)| Addition::new(&basis, form, all));
+        let Some(addition) = addition else { return Vec::new() };
+        let one = |directions: &usize| -> Option<Trial> {
+            let term = (20 * directions <= rows).then(|| addition.term(*directions))??;
+            let all: Vec<&[f64]> =
+                columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
+            let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
+            Some(Trial { candidate, knots: (first, second), term, fit, p: 1.0 })
+        };
+        directions.par_iter().filter_map(one).collect()
     };
+    let trials_of = |candidate: Candidate, of: Fineness| with(candidate, of.knots, of.directions);
     let changes = Changes::new(design, &basis, &so_far.fit.residual);
     let mut trials: Vec<Trial> = library
         .candidates
         .par_iter()
         .chain(&changes.candidates)
         .copied()
-        .filter_map(|c| trial(c, c.first()))
+        .flat_map_iter(|c| trials_of(c, c.first()))
         .collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
     let p = significance(search, &so_far.fit, &trials, &changes.others, &basis)?;
     trials.iter_mut().zip(p).for_each(|(t, p)| t.p = p);
+    let trials = best_of_each(trials);
     // a change has no other knots, and takes no place of a curve that has
     let (changes, mut trials): (Vec<Trial>, Vec<Trial>) =
         trials.into_iter().partition(|t| t.candidate.change.is_some());
@@ -192,8 +193,8 @@ fn next(
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
     let refined = |i: usize| {
         let Trial { candidate, p, .. } = trials[i];
-        let with = move |fineness| trial(candidate, fineness).map(|t| Trial { p, ..t });
-        finer_and_coarser(&candidate).into_par_iter().filter_map(with)
+        let finer = candidate.finer_and_coarser().par_iter();
+        finer.flat_map_iter(move |fineness| trials_of(candidate, *fineness)).map(move |t| Trial { p, ..t })
     };
     let closest: Vec<usize> = (0..trials.len()).filter(closest).collect();
     let finer: Vec<Trial> = closest.into_par_iter().flat_map(refined).collect();
@@ -209,8 +210,10 @@ fn next(
     // one after the other, until one holds where it was not fitted
     while let Some(chosen) = simplest(&mut trials) {
         let (of, p) = (chosen.candidate, chosen.p);
-        let others: Vec<Trial> =
-            around(&chosen).into_par_iter().filter_map(|c| trial(c, chosen.fineness)).collect();
+        let others: Vec<Trial> = around(&chosen)
+            .into_par_iter()
+            .flat_map_iter(|c| with(c, chosen.knots, &[chosen.term.most]))
+            .collect();
         let nearer = |a: &Trial, b: &Trial| heldout(b) < (1.0 - SIMPLER) * heldout(a);
         let chosen = others.into_iter().fold(chosen, |a, b| if nearer(&a, &b) { b } else { a });
         let after = heldout(&chosen);
@@ -234,18 +237,16 @@ fn next(
     None
 }
 
-/// What a candidate is tried with besides the first.
-fn finer_and_coarser(candidate: &Candidate) -> Vec<Fineness> {
-    if candidate.change.is_some() {
-        return Vec::new();
+/// The best trial of each candidate, in order of what they predict, with the smallest p of its trials.
+fn best_of_each(trials: Vec<Trial>) -> Vec<Trial> {
+    let mut out: Vec<Trial> = Vec::new();
+    for trial in trials {
+        match out.iter_mut().find(|t| t.candidate == trial.candidate) {
+            Some(better) => better.p = better.p.min(trial.p),
+            None => out.push(trial),
+        }
     }
-    if candidate.across.is_some() {
-        return MAPS.map(|(first, second)| Fineness::map(first, second)).to_vec();
-    }
-    if candidate.over == Coordinate::Time {
-        return OVER_TIME.map(Fineness::over_time).to_vec();
-    }
-    CURVES.map(Fineness::curve).to_vec()
+    out
 }
 
 /// The same curve with the memories around its own; none where it has no memory.

@@ -32,7 +32,7 @@ pub struct FreeTerm {
     /// Values at the knots for a unit of each column.
     modes: Vec<Vec<f64>>,
     /// Most columns that are kept.
-    most: usize,
+    pub most: usize,
     /// Standard deviation of each value; zeros before a fit.
     pub std: Vec<f64>,
 }
@@ -64,29 +64,43 @@ impl DesignMatrix {
     }
 }
 
+/// What a form adds to a basis, before it is said how many of its directions are free.
+pub struct Addition {
+    form: FreeForm<f64>,
+    all: Arc<Vec<Vec<f64>>>,
+    /// Inner products of its columns outside the span of the basis.
+    gram: DMatrix<f64>,
+    /// Largest squared length of a column.
+    whole: f64,
+}
+
+impl Addition {
+    /// `all` has a column for each value. None where there is no number.
+    pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>) -> Option<Self> {
+        let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
+        let gram = DMatrix::from_fn(all.len(), all.len(), |i, j| dot(&rest[i], &rest[j]));
+        let whole = all.iter().map(|c| dot(c, c)).fold(0.0, f64::max);
+        gram.iter().all(|x| x.is_finite()).then_some(Self { form, all, gram, whole })
+    }
+
+    /// At most `most` independent columns; if that is fewer than there are values, the smoothest. None if there are none.
+    pub fn term(&self, most: usize) -> Option<FreeTerm> {
+        let count = self.all.len();
+        let directions = if most < count { smoothest(&self.gram)? } else { strongest(self.gram.clone()) };
+        let power = directions.iter().map(|(power, _)| *power).fold(0.0, f64::max);
+        let determined = |power_of: f64| power_of > (DETERMINED * power).max(OUTSIDE * self.whole);
+        let determined = directions.into_iter().filter(|(power, _)| determined(*power));
+        let modes: Vec<Vec<f64>> = determined.map(|(_, mode)| mode).take(most).collect();
+        let columns: Vec<Vec<f64>> = modes.iter().map(|mode| combine(&self.all, mode)).collect();
+        let (form, all, std) = (self.form, self.all.clone(), vec![0.0; count]);
+        (!columns.is_empty()).then(|| FreeTerm { form, all, columns, modes, most, std })
+    }
+}
+
 impl FreeTerm {
     /// The same form outside the span of another basis.
     pub fn outside(&self, basis: &Basis) -> Option<Self> {
-        Self::new(basis, self.form, self.all.clone(), self.most)
-    }
-
-    /// The independent columns of `form` outside the span of `basis`; None if there are none. `all` has a column for each value.
-    /// At most `most` are kept; if that is fewer than there are values, the smoothest.
-    pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>, most: usize) -> Option<Self> {
-        let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
-        let count = all.len();
-        let gram = DMatrix::from_fn(count, count, |i, j| dot(&rest[i], &rest[j]));
-        if gram.iter().any(|x| !x.is_finite()) {
-            return None;
-        }
-        let whole = all.iter().map(|c| dot(c, c)).fold(0.0, f64::max);
-        let directions = if most < count { smoothest(&gram)? } else { strongest(gram) };
-        let power = directions.iter().map(|(power, _)| *power).fold(0.0, f64::max);
-        let determined = |power_of: f64| power_of > (DETERMINED * power).max(OUTSIDE * whole);
-        let determined = directions.into_iter().filter(|(power, _)| determined(*power));
-        let modes: Vec<Vec<f64>> = determined.map(|(_, mode)| mode).take(most).collect();
-        let columns: Vec<Vec<f64>> = modes.iter().map(|mode| combine(&all, mode)).collect();
-        (!columns.is_empty()).then(|| Self { form, all, columns, modes, most, std: vec![0.0; count] })
+        Addition::new(basis, self.form, self.all.clone())?.term(self.most)
     }
 
     /// The same with the values of a fit.

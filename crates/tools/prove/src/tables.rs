@@ -91,6 +91,8 @@ pub struct Proof {
     pub(crate) parameter_error_median: Option<f64>,
     /// Median explained share on noise-free truth of a new motion, single effects at the noise or above.
     pub(crate) explained_median: Option<f64>,
+    /// The same of the case where it is least, and that case.
+    pub(crate) explained_worst: Option<(f64, usize)>,
     /// By effect and strength.
     pub(crate) effects: Vec<Row>,
     /// Hidden against named first, counts; hidden alone, at the noise or above.
@@ -200,6 +202,9 @@ impl Proof {
             gain_coverage: known(|o| o.gain_covered),
             parameter_error_median: median(loud().filter_map(|o| o.parameter_error)),
             explained_median: median(loud().filter_map(|o| o.explained)),
+            explained_worst: loud()
+                .filter_map(|o| Some((o.explained?, o.case)))
+                .min_by(|a, b| a.0.total_cmp(&b.0)),
             effects,
             confusion,
             cases,
@@ -264,6 +269,8 @@ impl Proof {
         }
         let error = share(self.parameter_error_median);
         let explained = self.explained_median.map_or_else(|| "–".into(), |x| format!("{x:.3}"));
+        let worst = |(share, case)| format!("{share:.3} (case {case})");
+        let worst = self.explained_worst.map_or_else(|| "–".into(), worst);
         let Rate { hits, of, .. } = self.location_precision;
         let false_share = share((of > 0).then(|| 1.0 - hits as f64 / of as f64));
         let location =
@@ -286,6 +293,7 @@ impl Proof {
             ("95 % intervals of the held-out gain", self.gain_coverage.said()),
             ("median parameter error", error),
             ("median explained share, noise-free, new motion", explained),
+            ("the worst of these", worst),
         ];
         out.push('\n');
         for (what, said) in lines {
