@@ -31,8 +31,11 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
     let named = described.fit.heldout_sum();
     let much = named > LEAVES * search.floor;
     if found.atoms.is_empty() {
-        if described.terms.is_empty() && much && library.widen() {
-            described = describe(search, &library, found, regimes);
+        if much && library.widen() {
+            let wider = describe(search, &library, found, regimes);
+            if described.terms.is_empty() || is_better(search, &described.fit, &wider.fit) {
+                described = wider;
+            }
         }
         return Resolved { found: found.clone(), described, kin: Vec::new() };
     }
