@@ -22,38 +22,26 @@ pub struct Candidate {
 pub struct Fineness {
     /// Knots on its first axis and, of a map, on the other.
     pub knots: (usize, usize),
-    /// Numbers of directions of its values that are tried, each time the smoothest. A knot that few blocks tell of, such as the
-    /// highest speed or a stretch of time, is hardly determined where they are held out, unless the curve is smooth.
-    pub directions: &'static [usize],
-}
-
-impl Fineness {
-    const fn curve(knots: usize, directions: &'static [usize]) -> Self {
-        Self { knots: (knots, 0), directions }
-    }
-
-    const fn map(first: usize, second: usize, directions: &'static [usize]) -> Self {
-        Self { knots: (first, second), directions }
-    }
+    /// Numbers of free directions of its values that are tried: the smoothness of a spline. A knot that few blocks tell of, such as
+    /// the highest speed or a stretch of time, is hardly determined where they are held out, unless the curve is smooth.
+    pub freedom: &'static [usize],
 }
 
 /// Time constants of what was slid, as shares of the length of the longest recording.
 const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 
-const FIRST_CURVE: Fineness = Fineness::curve(14, &[7, 14]);
-const FIRST_OVER_TIME: Fineness = Fineness::curve(16, &[6]);
-const FIRST_MAP: Fineness = Fineness::map(6, 6, &[36]);
-const CHANGE: Fineness = Fineness::curve(2, &[2]);
+const FIRST_CURVE: Fineness = Fineness { knots: (14, 0), freedom: &[7, 14] };
+const FIRST_OVER_TIME: Fineness = Fineness { knots: (16, 0), freedom: &[6] };
+const FIRST_MAP: Fineness = Fineness { knots: (6, 6), freedom: &[8, 16] };
+const CHANGE: Fineness = Fineness { knots: (2, 0), freedom: &[2] };
 /// What the best candidates are tried with besides.
-const CURVES: [Fineness; 3] =
-    [Fineness::curve(5, &[5]), Fineness::curve(8, &[8]), Fineness::curve(22, &[4, 6, 9, 13, 22])];
-const OVER_TIME: [Fineness; 1] = [Fineness::curve(16, &[3, 4, 9, 13])];
-const MAPS: [Fineness; 4] = [
-    Fineness::map(4, 4, &[16]),
-    Fineness::map(5, 8, &[40]),
-    Fineness::map(8, 5, &[40]),
-    Fineness::map(10, 10, &[100]),
+const CURVES: [Fineness; 3] = [
+    Fineness { knots: (5, 0), freedom: &[5] },
+    Fineness { knots: (8, 0), freedom: &[8] },
+    Fineness { knots: (22, 0), freedom: &[4, 6, 9, 13, 22] },
 ];
+const OVER_TIME: [Fineness; 1] = [Fineness { knots: (16, 0), freedom: &[3, 4, 9, 13] }];
+const MAPS: [Fineness; 1] = [Fineness { knots: (10, 10), freedom: &[6, 9, 13, 18, 25, 35, 50] }];
 
 /// Most samples that decide where knots stand.
 const SAMPLES: usize = 20_000;

@@ -1,15 +1,12 @@
 //! Names that a free form contradicts: an effect that adds nothing beside the curve was a part of the curve.
 
 use crate::free_form::candidate::Library;
-use crate::free_form::describe::{Described, describe};
+use crate::free_form::describe::{Described, LEAVES, describe};
 use crate::library::term::TermKind;
 use crate::regression::linear::Fit;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::Search;
 use crate::search::lasting::Regime;
-
-/// Squared error over that of the floor from which on a name leaves so much that it may be wrong.
-const LEAVES: f64 = 2.0;
 
 /// Share of what names leave above the floor that as many free forms have to explain to contradict them.
 const BETTER: f64 = 0.25;
@@ -93,7 +90,8 @@ fn restored(search: &Search, found: &Hypothesis, baseline: &Hypothesis, alone: D
     now
 }
 
-/// Takes back, one after the other, every effect that predicts nothing beside the free forms.
+/// Takes back, one after the other, every effect that predicts nothing beside the free forms, or nothing without them: then it
+/// stands for what a form is too coarse for.
 fn needless(search: &Search, mut now: Resolved) -> Resolved {
     while !now.described.terms.is_empty() {
         let without = |i: usize| {
@@ -101,7 +99,8 @@ fn needless(search: &Search, mut now: Resolved) -> Resolved {
             atoms.remove(i);
             let fewer = Hypothesis::new(search.design, atoms)?;
             let fitted = now.described.without(search, &fewer, None)?;
-            let needed = search.gains(&fitted.fit, &now.described.fit)[0] > 0.0;
+            let gains = |without: &Fit, with: &Fit| search.gains(without, with)[0] > 0.0;
+            let needed = gains(&fitted.fit, &now.described.fit) && gains(&fewer.fit, &now.found.fit);
             (!needed).then(|| (fitted.fit.heldout_sum(), i, fewer, fitted))
         };
         let best = (0..now.found.atoms.len()).filter_map(without).min_by(|a, b| a.0.total_cmp(&b.0));

@@ -4,6 +4,7 @@
 
 use crate::findings::locate::row_motion;
 use crate::free_form::candidate::Candidate;
+use crate::free_form::term::FreeTerm;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::solve;
 use friction::Coordinate;
@@ -15,7 +16,7 @@ const PARTS: usize = 3;
 const BANDS: usize = 9;
 /// Share of what a form explains where it was fitted that it has to explain where it was not.
 const HOLDS: f64 = 0.5;
-/// Ridge penalty, as a share of a column's power. A column that the other parts do not excite gets no force.
+/// Further penalty, as a share of a column's power. A column that the other parts do not excite gets no force.
 const PRIOR: f64 = 1e-3;
 
 /// The coordinates, by row, over which a form has to hold.
@@ -35,12 +36,14 @@ fn others(design: &DesignMatrix, candidate: &Candidate) -> Vec<Vec<f64>> {
     }
 }
 
-/// Whether `columns` explain `y` in each part of every other coordinate, fitted on the others. `basis` is the span of
+/// Whether `term` explains the force in each part of every other coordinate, fitted on the others. `basis` is the span of
 /// everything else.
-pub fn holds(design: &DesignMatrix, candidate: &Candidate, basis: &Basis, columns: &[Vec<f64>]) -> bool {
-    let own: Vec<Vec<f64>> = columns.iter().map(|c| basis.project_out(c)).collect();
+pub fn holds(design: &DesignMatrix, candidate: &Candidate, basis: &Basis, term: &FreeTerm) -> bool {
+    let own: Vec<Vec<f64>> = term.columns.iter().map(|c| basis.project_out(c)).collect();
+    let prior = |(c, penalty): (&Vec<f64>, &f64)| penalty + PRIOR * dot(c, c);
+    let penalties: Vec<f64> = own.iter().zip(&term.penalties).map(prior).collect();
     let y = basis.project_out(&design.y);
-    others(design, candidate).iter().all(|other| holds_over(other, design, candidate, &own, &y))
+    others(design, candidate).iter().all(|other| holds_over(other, design, candidate, &own, &penalties, &y))
 }
 
 /// The same over one coordinate, of what is outside the span.
@@ -49,6 +52,7 @@ fn holds_over(
     design: &DesignMatrix,
     candidate: &Candidate,
     own: &[Vec<f64>],
+    penalties: &[f64],
     y: &[f64],
 ) -> bool {
     let used: Vec<usize> =
@@ -59,17 +63,9 @@ fn holds_over(
         let band = edges.partition_point(|e| *e <= other[*r]);
         if candidate.across.is_some() { band * PARTS / BANDS } else { band % PARTS }
     };
-    let power: Vec<f64> = own.iter().map(|c| PRIOR * dot(c, c)).collect();
     let fitted = |rows: &[usize]| {
-        let of = |column: &[f64], prior: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            rows.iter().map(|r| column[*r]).chain((0..own.len()).map(prior)).collect()
-        };
-        let with_prior: Vec<Vec<f64>> = own
-            .iter()
-            .enumerate()
-            .map(|(i, c)| of(c, &|k| if k == i { power[i].sqrt() } else { 0.0 }))
-            .collect();
-        solve(&with_prior, &of(y, &|_| 0.0))
+        let of = |column: &[f64]| rows.iter().map(|r| column[*r]).collect::<Vec<f64>>();
+        solve(&own.iter().map(|c| of(c)).collect::<Vec<_>>(), penalties, &of(y))
     };
     let error = |rows: &[usize], coefficients: &[f64]| -> f64 {
         let left = |r: &usize| y[*r] - own.iter().zip(coefficients).map(|(c, b)| c[*r] * b).sum::<f64>();

@@ -3,16 +3,17 @@
 use crate::free_form::candidate::{Candidate, Fineness, Library};
 use crate::free_form::change::Changes;
 use crate::free_form::crossing;
-use crate::free_form::term::{Addition, FreeTerm};
+use crate::free_form::term::{Directions, FreeTerm};
 use crate::library::baseline;
 use crate::library::design_matrix::DesignMatrix;
-use crate::regression::linear::{FOLDS, Fit, fit};
+use crate::regression::linear::{Blocks, FOLDS, Fit, Normals};
 use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::{LEVEL, Search};
 use crate::search::lasting::{self, Regime};
 use friction::{Coordinate, FreeForm};
 use rayon::prelude::*;
 use signals::{Basis, dot};
+use std::sync::Arc;
 
 /// Most free forms.
 const MOST: usize = 3;
@@ -24,11 +25,14 @@ const CLOSER: usize = 3;
 const SIMPLER: f64 = 0.02;
 /// Smallest gain of a form, as a share of the error above the floor.
 const MATERIAL: f64 = 0.1;
+/// The same, as a share of the floor.
+const SEEN: f64 = 0.05;
 /// The same, as a share of what the named effects explain. Their regressors are only as exact as the measured motion, so
 /// each leaves a small error of its own, which is no further physics.
 const OF_NAMED: f64 = 5e-4;
-/// The same, as a share of the floor.
-const SEEN: f64 = 0.05;
+/// Squared error over that of the floor from which on so much is left that names may be wrong, and that a map is tried: it
+/// follows the small errors of the measured motion, too.
+pub const LEAVES: f64 = 2.0;
 
 /// Free forms beside a hypothesis, all fitted jointly.
 #[derive(Debug, Clone)]
@@ -53,7 +57,19 @@ pub struct Gain {
 pub fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm], folds: usize) -> Option<Fit> {
     let own = terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice);
     let columns: Vec<&[f64]> = Hypothesis::columns(design, &found.atoms).into_iter().chain(own).collect();
-    fit(&columns, &design.y, &design.blocks, folds)
+    let penalties = Hypothesis::penalties(design, &found.atoms, terms);
+    let (y, blocks) = (&design.y, blocks(design, terms.iter().map(|t| &t.form)));
+    Normals::of(&columns, y, &blocks)?.fit(&columns, &penalties, y, &blocks, folds)
+}
+
+/// The blocks of a fit with these forms. A form of the acceleration has the errors of the mass's column, and to take them off
+/// one of the two alone makes them cancel each other.
+fn blocks<'a>(design: &DesignMatrix, forms: impl IntoIterator<Item = &'a FreeForm<f64>>) -> Blocks {
+    let accelerates = |f: &FreeForm<f64>| f.over == Coordinate::Acceleration;
+    match forms.into_iter().any(accelerates) {
+        true => Blocks { noise: Vec::new(), ..design.blocks.clone() },
+        false => design.blocks.clone(),
+    }
 }
 
 /// Everything that free forms explain beside `found`.
@@ -155,28 +171,41 @@ fn next(
     // the difference of two memories of nearly one length is a derivative, of any size
     let remembers =
         |c: &Candidate, f: &FreeForm<f64>| f.over == c.over && f.times == c.times && f.memory != c.memory;
-    let with = |candidate: Candidate, (first, second): (usize, usize), directions: &[usize]| -> Vec<Trial> {
+    let others = Hypothesis::penalties(design, &found.atoms, &so_far.terms);
+    let with = |candidate: Candidate, knots: (usize, usize), freedom: &[usize]| -> Option<Vec<Trial>> {
         if so_far.terms.iter().any(|t| remembers(&candidate, &t.form)) {
-            return Vec::new();
+            return None;
         }
-        let addition = library
-            .get(design, candidate, first, second)
-            .and_then(|(form, all)| Addition::new(&basis, form, all));
-        let Some(addition) = addition else { return Vec::new() };
-        let one = |directions: &usize| -> Option<Trial> {
-            let term = (20 * directions <= rows).then(|| addition.term(*directions))??;
+        let (form, all) = library.get(design, candidate, knots.0, knots.1)?;
+        let directions = Directions::new(&basis, form, all)?;
+        let blocks = blocks(design, so_far.terms.iter().map(|t| &t.form).chain([&form]));
+        // maps of one fineness differ in their penalties only
+        let mut shared: Option<(Arc<Vec<Vec<f64>>>, Arc<Normals>)> = None;
+        let mut one = |freedom: &usize| -> Option<Trial> {
+            let term = directions.term(*freedom);
             let all: Vec<&[f64]> =
                 columns.iter().copied().chain(term.columns.iter().map(Vec::as_slice)).collect();
-            let fit = fit(&all, &design.y, &design.blocks, FOLDS)?;
-            Some(Trial { candidate, knots: (first, second), term, fit, p: 1.0 })
+            let normals = match shared.take() {
+                Some((columns, normals)) if Arc::ptr_eq(&columns, &term.columns) => normals,
+                _ => Normals::of(&all, &design.y, &blocks)?,
+            };
+            shared = Some((term.columns.clone(), normals.clone()));
+            let penalties = [&others[..], &term.penalties].concat();
+            let fit = normals.fit(&all, &penalties, &design.y, &blocks, FOLDS)?;
+            Some(Trial { candidate, knots, term, fit, p: 1.0 })
         };
-        directions.par_iter().filter_map(one).collect()
+        Some(freedom.iter().filter(|f| 20 * **f <= rows).filter_map(&mut one).collect())
     };
-    let trials_of = |candidate: Candidate, of: Fineness| with(candidate, of.knots, of.directions);
+    let trials_of =
+        |candidate: Candidate, of: Fineness| with(candidate, of.knots, of.freedom).into_iter().flatten();
+    let before = so_far.fit.heldout_sum();
+    let much = before > LEAVES * search.floor;
+    let is_tried = |c: &&Candidate| much || c.across.is_none();
     let changes = Changes::new(design, &basis, &so_far.fit.residual);
     let mut trials: Vec<Trial> = library
         .candidates
         .par_iter()
+        .filter(is_tried)
         .chain(&changes.candidates)
         .copied()
         .flat_map_iter(|c| trials_of(c, c.first()))
@@ -201,7 +230,6 @@ fn next(
     trials.truncate(CLOSER);
     trials.extend(finer);
     trials.extend(changes);
-    let before = so_far.fit.heldout_sum();
     let material = (MATERIAL * (before - search.floor))
         .max(SEEN * search.floor)
         .max(search.systematic)
@@ -210,10 +238,8 @@ fn next(
     // one after the other, until one holds where it was not fitted
     while let Some(chosen) = simplest(&mut trials) {
         let (of, p) = (chosen.candidate, chosen.p);
-        let others: Vec<Trial> = around(&chosen)
-            .into_par_iter()
-            .flat_map_iter(|c| with(c, chosen.knots, &[chosen.term.most]))
-            .collect();
+        let other = |c: Candidate| with(c, chosen.knots, &[chosen.term.freedom]).into_iter().flatten();
+        let others: Vec<Trial> = around(&chosen).into_par_iter().flat_map_iter(other).collect();
         let nearer = |a: &Trial, b: &Trial| heldout(b) < (1.0 - SIMPLER) * heldout(a);
         let chosen = others.into_iter().fold(chosen, |a, b| if nearer(&a, &b) { b } else { a });
         let after = heldout(&chosen);
@@ -227,7 +253,7 @@ fn next(
             && (opposes(&chosen.fit) || !opposes(&so_far.fit));
         let holds = || {
             (chosen.term.is_of_time() || lasts(search, &basis, &chosen, regimes))
-                && crossing::holds(design, &chosen.candidate, &basis, &chosen.term.columns)
+                && crossing::holds(design, &chosen.candidate, &basis, &chosen.term)
         };
         if clear && holds() {
             return Some((chosen.term, Gain { before, after, interval, p }, chosen.fit));
@@ -261,7 +287,7 @@ fn simplest(trials: &mut Vec<Trial>) -> Option<Trial> {
     let heldout = |t: &Trial| t.fit.heldout_sum();
     let least = trials.iter().map(heldout).fold(f64::INFINITY, f64::min);
     let good = (0..trials.len()).filter(|i| heldout(&trials[*i]) <= (1.0 + SIMPLER) * least);
-    let first = good.min_by_key(|i| trials[*i].term.columns.len())?;
+    let first = good.min_by_key(|i| trials[*i].term.free_columns().len())?;
     Some(trials.swap_remove(first))
 }
 
@@ -274,7 +300,8 @@ fn significance(
     basis: &Basis,
 ) -> Option<Vec<f64>> {
     let child = &trials.first()?.fit;
-    let own = trials.iter().enumerate().flat_map(|(i, t)| t.term.columns.iter().map(move |c| (Some(i), c)));
+    let own =
+        trials.iter().enumerate().flat_map(|(i, t)| t.term.free_columns().iter().map(move |c| (Some(i), c)));
     let columns = own.chain(others.iter().map(|c| (None, c))).map(|(i, c)| (i, c.as_slice())).collect();
     let (of, family) = search.family(basis, parent, child, columns);
     let mut out = vec![1.0_f64; trials.len()];
@@ -288,7 +315,14 @@ fn significance(
 fn lasts(search: &Search, basis: &Basis, trial: &Trial, regimes: &[Regime]) -> bool {
     let rows = search.design.used_rows().max(1) as f64;
     let noise = dot(&trial.fit.residual, &trial.fit.residual) / rows;
-    let judged = lasting::left_out_errors(search.design, basis, &trial.term.columns, noise, regimes);
+    let judged = lasting::left_out_errors(
+        search.design,
+        basis,
+        &trial.term.columns,
+        &trial.term.penalties,
+        noise,
+        regimes,
+    );
     let (without, with) = judged.iter().fold((0.0, 0.0), |s, (_, e)| (s.0 + e.0, s.1 + e.1));
     judged.is_empty() || with < without
 }

@@ -7,7 +7,7 @@ use crate::findings::locate::row_times;
 use crate::free_form::candidate::Candidate;
 use crate::free_form::change::{at_other_moments, best, from, inner, kinds, moment_of};
 use crate::free_form::describe::{Described, Gain, joint};
-use crate::free_form::term::{Addition, FreeTerm};
+use crate::free_form::term::{Directions, FreeTerm};
 use crate::library::design_matrix::DesignMatrix;
 use crate::search::hypothesis::Hypothesis;
 use crate::search::judgement::{LEVEL, Search};
@@ -53,7 +53,8 @@ fn forms(design: &DesignMatrix, mut basis: Basis, factor: Factor, rows: &[usize]
     let times = row_times(design);
     let form = |row: &usize| {
         let form = Candidate::change(moment_of(design, &times, *row), factor).form(design, 2, 0)?;
-        let term = Addition::new(&basis, form, Arc::new(design.free_columns(&form)))?.term(form.count())?;
+        let all = Arc::new(design.free_columns(&form));
+        let term = Directions::new(&basis, form, all)?.term(form.count());
         term.columns.iter().for_each(|c| {
             basis.push(c);
         });

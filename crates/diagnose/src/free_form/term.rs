@@ -2,7 +2,7 @@
 
 use crate::library::design_matrix::DesignMatrix;
 use friction::{FreeForm, FreeFormState};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use signals::{Basis, dot};
 use std::sync::Arc;
@@ -19,20 +19,22 @@ const ROUGH: f64 = 1e-6;
 /// Columns that go through the filter together.
 const LANES: usize = 8;
 
-/// A free form in a regression. Its values at the knots are not independent of what is already there (a constant is a
-/// friction level, a straight line viscous friction), so the columns are the directions that are.
+/// A free form in a regression. Its values at the knots are not independent of what is already there (a
+/// constant is a friction level, a straight line viscous friction), so the columns are the directions that are.
 #[derive(Debug, Clone)]
 pub struct FreeTerm {
     /// Coordinates, knots and factor; the values are those of the last fit.
     pub form: FreeForm<f64>,
     /// A column for each value.
     all: Arc<Vec<Vec<f64>>>,
-    /// Independent columns.
-    pub columns: Vec<Vec<f64>>,
+    /// Independent columns; of a form with penalties or fewer directions than values, the smoothest first.
+    pub columns: Arc<Vec<Vec<f64>>>,
+    /// Penalties of their coefficients.
+    pub penalties: Vec<f64>,
     /// Values at the knots for a unit of each column.
     modes: Vec<Vec<f64>>,
-    /// Most columns that are kept.
-    pub most: usize,
+    /// Number of directions that were asked for.
+    pub freedom: usize,
     /// Standard deviation of each value; zeros before a fit.
     pub std: Vec<f64>,
 }
@@ -64,43 +66,101 @@ impl DesignMatrix {
     }
 }
 
-/// What a form adds to a basis, before it is said how many of its directions are free.
-pub struct Addition {
+/// The directions of a form's values that a basis does not hold.
+pub struct Directions {
     form: FreeForm<f64>,
     all: Arc<Vec<Vec<f64>>>,
-    /// Inner products of its columns outside the span of the basis.
+    /// Inner products of the columns outside the span of the basis.
     gram: DMatrix<f64>,
     /// Largest squared length of a column.
     whole: f64,
+    /// The smoothest first, and their columns.
+    smooth: Vec<Direction>,
+    columns: Arc<Vec<Vec<f64>>>,
 }
 
-impl Addition {
-    /// `all` has a column for each value. None where there is no number.
+/// A direction of the values, of length one.
+struct Direction {
+    values: Vec<f64>,
+    /// Squared length of its column outside of the basis.
+    power: f64,
+    /// That, over the roughness of the values.
+    smoothness: f64,
+}
+
+impl Directions {
+    /// `all` has a column for each value. None where nothing is outside of the span of `basis`.
     pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>) -> Option<Self> {
         let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
         let gram = DMatrix::from_fn(all.len(), all.len(), |i, j| dot(&rest[i], &rest[j]));
+        if gram.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
         let whole = all.iter().map(|c| dot(c, c)).fold(0.0, f64::max);
-        gram.iter().all(|x| x.is_finite()).then_some(Self { form, all, gram, whole })
+        let second = form.across.map_or(1, |(_, knots)| knots.places().len());
+        let smooth = determined(smoothest(&gram, (all.len() / second, second))?, whole);
+        let columns: Vec<Vec<f64>> = smooth.par_iter().map(|d| combine(&all, &d.values)).collect();
+        let columns = Arc::new(columns);
+        (!columns.is_empty()).then(|| Self { form, all, gram, whole, smooth, columns })
     }
 
-    /// At most `most` independent columns; if that is fewer than there are values, the smoothest. None if there are none.
-    pub fn term(&self, most: usize) -> Option<FreeTerm> {
-        let count = self.all.len();
-        let directions = if most < count { smoothest(&self.gram)? } else { strongest(self.gram.clone()) };
-        let power = directions.iter().map(|(power, _)| *power).fold(0.0, f64::max);
-        let determined = |power_of: f64| power_of > (DETERMINED * power).max(OUTSIDE * self.whole);
-        let determined = directions.into_iter().filter(|(power, _)| determined(*power));
-        let modes: Vec<Vec<f64>> = determined.map(|(_, mode)| mode).take(most).collect();
-        let columns: Vec<Vec<f64>> = modes.iter().map(|mode| combine(&self.all, mode)).collect();
-        let (form, all, std) = (self.form, self.all.clone(), vec![0.0; count]);
-        (!columns.is_empty()).then(|| FreeTerm { form, all, columns, modes, most, std })
+    /// The form with about as many free directions as `freedom`. A map is a smoothing spline: most motions tell of a part of it
+    /// only. A curve is cut after its smoothest directions; if it has no more, all of its values are free.
+    pub fn term(&self, freedom: usize) -> FreeTerm {
+        let Self { form, all, smooth, columns, .. } = self;
+        let (form, all, std) = (*form, all.clone(), vec![0.0; all.len()]);
+        let values = |of: &[Direction]| of.iter().map(|d| d.values.clone()).collect();
+        if form.across.is_some() {
+            let half = smooth.get(freedom).map_or(0.0, |d| d.smoothness);
+            let penalty = |d: &Direction| if half > 0.0 { d.power * half / d.smoothness } else { 0.0 };
+            let penalties = smooth.iter().map(penalty).collect();
+            return FreeTerm {
+                form,
+                all,
+                columns: columns.clone(),
+                penalties,
+                modes: values(smooth),
+                freedom,
+                std,
+            };
+        }
+        let (modes, columns): (Vec<Vec<f64>>, Vec<Vec<f64>>) = if freedom < all.len() {
+            let kept = freedom.min(smooth.len());
+            (values(&smooth[..kept]), columns[..kept].to_vec())
+        } else {
+            let modes: Vec<Vec<f64>> = values(&determined(strongest(&self.gram), self.whole));
+            let columns = modes.iter().map(|mode| combine(&all, mode)).collect();
+            (modes, columns)
+        };
+        let penalties = vec![0.0; columns.len()];
+        FreeTerm { form, all, columns: Arc::new(columns), penalties, modes, freedom, std }
     }
+}
+
+/// The directions that the samples determine.
+fn determined(mut directions: Vec<Direction>, whole: f64) -> Vec<Direction> {
+    let power = directions.iter().map(|d| d.power).fold(0.0, f64::max);
+    directions.retain(|d| d.power > (DETERMINED * power).max(OUTSIDE * whole));
+    directions
+}
+
+/// Directions of the values with the most power in the samples first.
+fn strongest(gram: &DMatrix<f64>) -> Vec<Direction> {
+    let eigen = gram.clone().symmetric_eigen();
+    let direction = |k: usize| Direction {
+        values: eigen.eigenvectors.column(k).iter().copied().collect(),
+        power: eigen.eigenvalues[k],
+        smoothness: eigen.eigenvalues[k],
+    };
+    let mut out: Vec<Direction> = (0..gram.nrows()).map(direction).collect();
+    out.sort_by(|a, b| b.power.total_cmp(&a.power));
+    out
 }
 
 impl FreeTerm {
     /// The same form outside the span of another basis.
     pub fn outside(&self, basis: &Basis) -> Option<Self> {
-        Addition::new(basis, self.form, self.all.clone())?.term(self.most)
+        Some(Directions::new(basis, self.form, self.all.clone())?.term(self.freedom))
     }
 
     /// The same with the values of a fit.
@@ -115,6 +175,11 @@ impl FreeTerm {
         self
     }
 
+    /// Columns that are free, or keep more than half of their unpenalized coefficient.
+    pub fn free_columns(&self) -> &[Vec<f64>] {
+        &self.columns[..self.freedom.min(self.columns.len())]
+    }
+
     /// Whether it depends on the time since the start: one half of a recording says nothing about the other.
     pub fn is_of_time(&self) -> bool {
         self.form.is_of_time()
@@ -126,29 +191,26 @@ impl FreeTerm {
     }
 }
 
-/// Directions of the values, each with its power in the samples, strongest first.
-fn strongest(gram: DMatrix<f64>) -> Vec<(f64, Vec<f64>)> {
-    let eigen = gram.symmetric_eigen();
-    let column = |k: usize| eigen.eigenvectors.column(k).iter().copied().collect();
-    let mut out: Vec<(f64, Vec<f64>)> =
-        (0..eigen.eigenvalues.len()).map(|k| (eigen.eigenvalues[k], column(k))).collect();
-    out.sort_by(|a, b| b.0.total_cmp(&a.0));
-    out
-}
-
-/// The same in the basis of [demmler-reinsch-1975], smoothest first: the lighter the penalty, the more of these directions a
-/// smoothing spline follows.
-fn smoothest(gram: &DMatrix<f64>) -> Option<Vec<(f64, Vec<f64>)>> {
-    let lower = roughness(gram.nrows()).cholesky()?.l();
+/// Directions of the values in the basis of [demmler-reinsch-1975], smoothest first: a smoothing spline shrinks each on its own.
+/// The roughness of a map is the sum of that along either axis [eilers-2003]; these are the numbers of values on each.
+fn smoothest(gram: &DMatrix<f64>, (first, second): (usize, usize)) -> Option<Vec<Direction>> {
+    let one = DMatrix::identity;
+    let rough =
+        roughness(first).kronecker(&one(second, second)) + one(first, first).kronecker(&roughness(second));
+    let lower = rough.cholesky()?.l();
     let half = lower.solve_lower_triangular(gram)?;
     let both = lower.solve_lower_triangular(&half.transpose())?;
     let upper = lower.transpose();
-    let mode = |(power, direction): (f64, Vec<f64>)| {
-        let mode = upper.solve_upper_triangular(&DVector::from_vec(direction))?;
-        let size = mode.norm();
-        Some((power / (size * size), mode.iter().map(|x| x / size).collect()))
+    let eigen = (0.5 * (&both + both.transpose())).symmetric_eigen();
+    let direction = |k: usize| {
+        let values = upper.solve_upper_triangular(&eigen.eigenvectors.column(k).into_owned())?;
+        let (size, smoothness) = (values.norm(), eigen.eigenvalues[k]);
+        let values = values.iter().map(|x| x / size).collect();
+        Some(Direction { values, power: smoothness / (size * size), smoothness })
     };
-    strongest(0.5 * (&both + both.transpose())).into_iter().map(mode).collect()
+    let mut out: Vec<Direction> = (0..gram.nrows()).map(direction).collect::<Option<_>>()?;
+    out.sort_by(|a, b| b.smoothness.total_cmp(&a.smoothness));
+    Some(out)
 }
 
 /// Quadratic form of the values of a curve: squares of its bends and, weaker, of its slopes.

@@ -66,12 +66,21 @@ pub struct Fit {
     pub heldout_prediction: Vec<f64>,
 }
 
-/// Normal equations of all blocks, and their inverse.
+/// Normal equations of all blocks. Fits of the same columns with other penalties share them.
 #[derive(Debug)]
-struct Known {
-    normals: Vec<Normal>,
+pub struct Normals {
+    blocks: Vec<Normal>,
     gram: DMatrix<f64>,
     moment: DVector<f64>,
+    /// 1 where the acceleration's own noise is taken off, else 0.
+    corrected: f64,
+}
+
+/// Normal equations, with the penalties in the Gram matrix, and its inverse.
+#[derive(Debug)]
+struct Known {
+    normals: Arc<Normals>,
+    gram: DMatrix<f64>,
     cover: DMatrix<f64>,
 }
 
@@ -128,20 +137,29 @@ pub fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(DMatrix::from_fn(p, p, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
-/// Least squares; none when the columns are dependent.
-pub fn solve<C: Borrow<[f64]>>(columns: &[C], y: &[f64]) -> Option<Vec<f64>> {
+/// Least squares with penalties as of [`Normals::fit`]; none when the columns are dependent.
+pub fn solve<C: Borrow<[f64]>>(columns: &[C], penalties: &[f64], y: &[f64]) -> Option<Vec<f64>> {
     let whole = normal(columns, y, 0..y.len());
-    Some((inverse(&whole.gram)? * whole.moment).iter().copied().collect())
+    Some((inverse(&penalized(whole.gram, penalties))? * whole.moment).iter().copied().collect())
+}
+
+/// A Gram matrix with penalties on its diagonal.
+fn penalized(mut gram: DMatrix<f64>, penalties: &[f64]) -> DMatrix<f64> {
+    for (i, penalty) in penalties.iter().enumerate() {
+        gram[(i, i)] += penalty;
+    }
+    gram
 }
 
 /// The same, and the mean leverage of the rows `judged`: the mean variance of their prediction over that of one row.
 pub fn solve_with_leverage<C: Borrow<[f64]>>(
     columns: &[C],
+    penalties: &[f64],
     y: &[f64],
     judged: &[C],
 ) -> Option<(Vec<f64>, f64)> {
     let fitted = normal(columns, y, 0..y.len());
-    let cover = inverse(&fitted.gram)?;
+    let cover = inverse(&penalized(fitted.gram, penalties))?;
     let rows = judged.first().map_or(0, |c| c.borrow().len());
     let leverage = (&cover * gram(judged, 0..rows)).trace() / rows.max(1) as f64;
     Some(((cover * fitted.moment).iter().copied().collect(), leverage))
@@ -155,76 +173,100 @@ pub fn solve_with_leverage<C: Borrow<[f64]>>(
 /// the mass, and the residual loses the mass times the acceleration's noise without a gain in truth. So the held-out
 /// error is charged with the noise of [`Blocks::mass`], whatever mass the hypothesis itself ends with.
 pub fn fit<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks, folds: usize) -> Option<Fit> {
-    let p = columns.len();
-    let k = blocks.len();
-    if p == 0 || k < 4 {
-        return None;
-    }
-    let mut normals: Vec<Normal> = (0..k).map(|b| normal(columns, y, blocks.rows(b))).collect();
-    let power: f64 = normals.iter().map(|n| n.gram[(0, 0)]).sum();
-    let noise: f64 = (0..k).map(|b| blocks.noise_of(b)).sum();
-    // Where noise is most of a regressor no correction can be trusted.
-    let share = if noise < 0.5 * power { 1.0 } else { 0.0 };
-    for (b, n) in normals.iter_mut().enumerate() {
-        n.gram[(0, 0)] -= share * blocks.noise_of(b);
-    }
-    let mut gram = DMatrix::zeros(p, p);
-    let mut moment = DVector::zeros(p);
-    for n in &normals {
-        gram += &n.gram;
-        moment += &n.moment;
-    }
-    let cover = inverse(&gram)?;
-    let solution = &cover * &moment;
-    let mut residual = y.to_vec();
-    for (c, column) in solution.iter().zip(columns) {
-        subtract_scaled(&mut residual, *c, column.borrow());
+    Normals::of(columns, y, blocks)?.fit(columns, &[], y, blocks, folds)
+}
+
+impl Normals {
+    /// Normal equations of `columns`; None where there are too few blocks to leave some out.
+    pub fn of<C: Borrow<[f64]>>(columns: &[C], y: &[f64], blocks: &Blocks) -> Option<Arc<Self>> {
+        let (p, k) = (columns.len(), blocks.len());
+        if p == 0 || k < 4 {
+            return None;
+        }
+        let mut normals: Vec<Normal> = (0..k).map(|b| normal(columns, y, blocks.rows(b))).collect();
+        let power: f64 = normals.iter().map(|n| n.gram[(0, 0)]).sum();
+        let noise: f64 = (0..k).map(|b| blocks.noise_of(b)).sum();
+        // Where noise is most of a regressor no correction can be trusted.
+        let corrected = if noise < 0.5 * power { 1.0 } else { 0.0 };
+        for (b, n) in normals.iter_mut().enumerate() {
+            n.gram[(0, 0)] -= corrected * blocks.noise_of(b);
+        }
+        let mut gram = DMatrix::zeros(p, p);
+        let mut moment = DVector::zeros(p);
+        for n in &normals {
+            gram += &n.gram;
+            moment += &n.moment;
+        }
+        Some(Arc::new(Self { blocks: normals, gram, moment, corrected }))
     }
 
-    let folds = folds.clamp(2, k);
-    let mut heldout = vec![0.0; k];
-    let mut heldout_prediction = vec![0.0; y.len()];
-    for fold in 0..folds {
-        let (low, high) = (fold * k / folds, (fold + 1) * k / folds);
-        if low == high {
-            continue;
+    /// [`fit`] of the columns that these are the normal equations of. `penalties` are weights of squared coefficients, in the order
+    /// of the columns; where they end, there are none.
+    pub fn fit<C: Borrow<[f64]>>(
+        self: &Arc<Self>,
+        columns: &[C],
+        penalties: &[f64],
+        y: &[f64],
+        blocks: &Blocks,
+        folds: usize,
+    ) -> Option<Fit> {
+        let (p, k) = (columns.len(), blocks.len());
+        let Self { blocks: normals, moment, corrected, .. } = &**self;
+        let gram = penalized(self.gram.clone(), penalties);
+        let cover = inverse(&gram)?;
+        let solution = &cover * moment;
+        let mut residual = y.to_vec();
+        for (c, column) in solution.iter().zip(columns) {
+            subtract_scaled(&mut residual, *c, column.borrow());
         }
-        let guard_low = if low > 0 && !blocks.starts[low] { low - 1 } else { low };
-        let guard_high = if high < k && !blocks.starts[high] { high + 1 } else { high };
-        let mut g = gram.clone();
-        let mut m = moment.clone();
-        for n in &normals[guard_low..guard_high] {
-            g -= &n.gram;
-            m -= &n.moment;
-        }
-        // What only the fold itself tells of, such as the offset of one recording, is taken to be nothing there.
-        let unseen: Vec<usize> = (0..p).filter(|&i| g[(i, i)] <= 1e-9 * gram[(i, i)]).collect();
-        for i in unseen {
-            g.row_mut(i).fill(0.0);
-            g.column_mut(i).fill(0.0);
-            g[(i, i)] = gram[(i, i)];
-            m[i] = 0.0;
-        }
-        // A fold without which the fit is not determined is predicted by nothing rather than by itself.
-        let beta = inverse(&g).map_or_else(|| DVector::zeros(p), |c| c * m);
-        for (b, error) in heldout.iter_mut().enumerate().take(high).skip(low) {
-            for row in blocks.rows(b) {
-                let prediction: f64 = beta.iter().zip(columns).map(|(c, x)| c * x.borrow()[row]).sum();
-                heldout_prediction[row] = prediction;
-                *error += (y[row] - prediction).powi(2);
+
+        let folds = folds.clamp(2, k);
+        let mut heldout = vec![0.0; k];
+        let mut heldout_prediction = vec![0.0; y.len()];
+        for fold in 0..folds {
+            let (low, high) = (fold * k / folds, (fold + 1) * k / folds);
+            if low == high {
+                continue;
             }
-            let mass = beta.get(0).copied().unwrap_or(0.0);
-            *error = (*error + share * (blocks.mass.powi(2) - mass * mass) * blocks.noise_of(b)).max(0.0);
+            let guard_low = if low > 0 && !blocks.starts[low] { low - 1 } else { low };
+            let guard_high = if high < k && !blocks.starts[high] { high + 1 } else { high };
+            let mut g = gram.clone();
+            let mut m = moment.clone();
+            for n in &normals[guard_low..guard_high] {
+                g -= &n.gram;
+                m -= &n.moment;
+            }
+            // What only the fold itself tells of, such as the offset of one recording, is taken to be nothing there.
+            let unseen: Vec<usize> = (0..p).filter(|&i| g[(i, i)] <= 1e-9 * gram[(i, i)]).collect();
+            for i in unseen {
+                g.row_mut(i).fill(0.0);
+                g.column_mut(i).fill(0.0);
+                g[(i, i)] = gram[(i, i)];
+                m[i] = 0.0;
+            }
+            // A fold without which the fit is not determined is predicted by nothing rather than by itself.
+            let beta = inverse(&g).map_or_else(|| DVector::zeros(p), |c| c * m);
+            for (b, error) in heldout.iter_mut().enumerate().take(high).skip(low) {
+                for row in blocks.rows(b) {
+                    let prediction: f64 = beta.iter().zip(columns).map(|(c, x)| c * x.borrow()[row]).sum();
+                    heldout_prediction[row] = prediction;
+                    *error += (y[row] - prediction).powi(2);
+                }
+                let mass = beta.get(0).copied().unwrap_or(0.0);
+                *error =
+                    (*error + corrected * (blocks.mass.powi(2) - mass * mass) * blocks.noise_of(b)).max(0.0);
+            }
         }
+        let coefficients = solution.iter().copied().collect();
+        Some(Fit {
+            coefficients,
+            std_errors: OnceLock::new(),
+            known: Arc::new(Known { normals: self.clone(), gram, cover }),
+            residual,
+            heldout,
+            heldout_prediction,
+        })
     }
-    Some(Fit {
-        coefficients: solution.iter().copied().collect(),
-        std_errors: OnceLock::new(),
-        known: Arc::new(Known { normals, gram, moment, cover }),
-        residual,
-        heldout,
-        heldout_prediction,
-    })
 }
 
 impl Known {
@@ -232,7 +274,8 @@ impl Known {
     /// hold most of what is known about a coefficient the usual sandwich is too sure of it. Opened by Student's factor for as
     /// many blocks as really speak, so that 1.96 of them hold 95 %.
     fn std_errors(&self) -> Vec<f64> {
-        let Self { normals, gram, moment, cover } = self;
+        let Self { normals, gram, cover } = self;
+        let Normals { blocks: normals, moment, .. } = &**normals;
         let solution = cover * moment;
         let (p, k) = (solution.len(), normals.len() as f64);
         let (mut squares, mut fourths) = (vec![0.0; p], vec![0.0; p]);

@@ -119,6 +119,23 @@ impl Hypothesis {
         self.columns_with(design, |t| !t.is_of_time())
     }
 
+    /// Penalties of those.
+    pub fn lasting_penalties(&self, design: &DesignMatrix) -> Vec<f64> {
+        let free = self.free.iter().filter(|t| !t.is_of_time());
+        Self::penalties(design, &self.atoms, free)
+    }
+
+    /// Penalties of all columns: none on the baseline and on atoms, then those of free forms.
+    pub fn penalties<'a>(
+        design: &DesignMatrix,
+        atoms: &[Atom],
+        free: impl IntoIterator<Item = &'a FreeTerm>,
+    ) -> Vec<f64> {
+        let named = design.baseline.len() + atoms.iter().map(|a| a.columns.len()).sum::<usize>();
+        let free = free.into_iter().flat_map(|t| t.penalties.iter().copied());
+        std::iter::repeat_n(0.0, named).chain(free).collect()
+    }
+
     fn columns_with<'a>(
         &'a self,
         design: &'a DesignMatrix,

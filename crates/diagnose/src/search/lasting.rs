@@ -123,10 +123,16 @@ fn rows_of(design: &DesignMatrix, regime: &Regime, inside: bool) -> Vec<usize> {
 
 /// Least squares over the rows `rest`; None where they say less of the rows `inside` than those say themselves, as of a way
 /// back that is hardly among them.
-fn solve_rest(columns: &[&[f64]], y: &[f64], rest: &[usize], inside: &[usize]) -> Option<Vec<f64>> {
+fn solve_rest(
+    columns: &[&[f64]],
+    penalties: &[f64],
+    y: &[f64],
+    rest: &[usize],
+    inside: &[usize],
+) -> Option<Vec<f64>> {
     let gather = |of: &[f64], rows: &[usize]| rows.iter().map(|r| of[*r]).collect::<Vec<f64>>();
     let over = |rows: &[usize]| columns.iter().map(|c| gather(c, rows)).collect::<Vec<_>>();
-    let (fitted, leverage) = solve_with_leverage(&over(rest), &gather(y, rest), &over(inside))?;
+    let (fitted, leverage) = solve_with_leverage(&over(rest), penalties, &gather(y, rest), &over(inside))?;
     (leverage <= 1.0).then_some(fitted)
 }
 
@@ -143,6 +149,7 @@ fn error(columns: &[&[f64]], y: &[f64], coefficients: &[f64], rows: &[usize]) ->
 fn judge(
     design: &DesignMatrix,
     columns: &[&[f64]],
+    penalties: &[f64],
     y: &[f64],
     all: &[f64],
     noise: f64,
@@ -157,7 +164,7 @@ fn judge(
     if power(&rest).min(power(&inside)) < JUDGES * JUDGES * noise * columns.len() as f64 {
         return None;
     }
-    let fitted = solve_rest(columns, y, &rest, &inside)?;
+    let fitted = solve_rest(columns, penalties, y, &rest, &inside)?;
     Some((error(columns, y, &none, &inside), error(columns, y, &fitted, &inside)))
 }
 
@@ -188,14 +195,15 @@ pub fn left_out_errors<'r>(
     design: &DesignMatrix,
     others: &Basis,
     columns: &[impl Borrow<Vec<f64>>],
+    penalties: &[f64],
     noise: f64,
     regimes: &'r [Regime],
 ) -> Vec<(&'r Regime, (f64, f64))> {
     let own: Vec<Vec<f64>> = columns.iter().map(|c| others.project_out(c.borrow())).collect();
     let own: Vec<&[f64]> = own.iter().map(Vec::as_slice).collect();
     let y = others.project_out(&design.y);
-    let Some(all) = solve(&own, &y) else { return Vec::new() };
-    regimes.iter().filter_map(|r| Some((r, judge(design, &own, &y, &all, noise, r)?))).collect()
+    let Some(all) = solve(&own, penalties, &y) else { return Vec::new() };
+    regimes.iter().filter_map(|r| Some((r, judge(design, &own, penalties, &y, &all, noise, r)?))).collect()
 }
 
 /// The term that lasts least, none where all do.
@@ -227,7 +235,7 @@ fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usi
         };
         // one regime may fail by what is not in the model; all of them together decide
         for parts in [regimes, &periods(search, found, i)] {
-            let judged = left_out_errors(design, &basis, &found.atoms[i].columns, noise, parts);
+            let judged = left_out_errors(design, &basis, &found.atoms[i].columns, &[], noise, parts);
             let sum = judged.iter().fold((0.0, 0.0), |s, (_, e)| (s.0 + e.0, s.1 + e.1));
             let worst = judged.iter().max_by(|a, b| (a.1.1 - a.1.0).total_cmp(&(b.1.1 - b.1.0)));
             if let Some((regime, errors)) = worst.filter(|_| sum.1 >= sum.0) {
@@ -413,11 +421,12 @@ pub fn left_out(
     baseline: usize,
 ) -> Option<(String, f64, f64)> {
     let design = search.design;
-    let columns = found.lasting_columns(design);
+    let (columns, penalties) = (found.lasting_columns(design), found.lasting_penalties(design));
     let of = |regime: &Regime| {
         let (rest, inside) = (rows_of(design, regime, false), rows_of(design, regime, true));
         let rms = |columns: &[&[f64]]| {
-            let fitted = solve_rest(columns, &design.y, &rest, &inside)?;
+            let penalties = &penalties[..columns.len()];
+            let fitted = solve_rest(columns, penalties, &design.y, &rest, &inside)?;
             Some((error(columns, &design.y, &fitted, &inside) / inside.len() as f64).sqrt())
         };
         Some((regime.name.clone(), rms(&columns[..baseline])?, rms(&columns)?))
