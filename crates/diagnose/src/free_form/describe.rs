@@ -3,7 +3,7 @@
 use crate::free_form::candidate::{Candidate, Fineness, Library};
 use crate::free_form::change::Changes;
 use crate::free_form::crossing;
-use crate::free_form::term::{Directions, FreeTerm};
+use crate::free_form::term::{Directions, FreeTerm, Shared};
 use crate::library::baseline;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::{Blocks, FOLDS, Fit, Normals};
@@ -180,7 +180,7 @@ fn next(
         let directions = Directions::new(&basis, form, all)?;
         let blocks = blocks(design, so_far.terms.iter().map(|t| &t.form).chain([&form]));
         // maps of one fineness differ in their penalties only
-        let mut shared: Option<(Arc<Vec<Vec<f64>>>, Arc<Normals>)> = None;
+        let mut shared: Option<(Shared, Arc<Normals>)> = None;
         let mut one = |freedom: &usize| -> Option<Trial> {
             let term = directions.term(*freedom);
             let all: Vec<&[f64]> =

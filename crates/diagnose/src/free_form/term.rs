@@ -19,6 +19,9 @@ const ROUGH: f64 = 1e-6;
 /// Columns that go through the filter together.
 const LANES: usize = 8;
 
+/// Columns of which terms of one form hold the same.
+pub type Shared = Arc<Vec<Vec<f64>>>;
+
 /// A free form in a regression. Its values at the knots are not independent of what is already there (a
 /// constant is a friction level, a straight line viscous friction), so the columns are the directions that are.
 #[derive(Debug, Clone)]
@@ -26,9 +29,9 @@ pub struct FreeTerm {
     /// Coordinates, knots and factor; the values are those of the last fit.
     pub form: FreeForm<f64>,
     /// A column for each value.
-    all: Arc<Vec<Vec<f64>>>,
+    all: Shared,
     /// Independent columns; of a form with penalties or fewer directions than values, the smoothest first.
-    pub columns: Arc<Vec<Vec<f64>>>,
+    pub columns: Shared,
     /// Penalties of their coefficients.
     pub penalties: Vec<f64>,
     /// Values at the knots for a unit of each column.
@@ -69,14 +72,14 @@ impl DesignMatrix {
 /// The directions of a form's values that a basis does not hold.
 pub struct Directions {
     form: FreeForm<f64>,
-    all: Arc<Vec<Vec<f64>>>,
+    all: Shared,
     /// Inner products of the columns outside the span of the basis.
     gram: DMatrix<f64>,
     /// Largest squared length of a column.
     whole: f64,
     /// The smoothest first, and their columns.
     smooth: Vec<Direction>,
-    columns: Arc<Vec<Vec<f64>>>,
+    columns: Shared,
 }
 
 /// A direction of the values, of length one.
@@ -90,7 +93,7 @@ struct Direction {
 
 impl Directions {
     /// `all` has a column for each value. None where nothing is outside of the span of `basis`.
-    pub fn new(basis: &Basis, form: FreeForm<f64>, all: Arc<Vec<Vec<f64>>>) -> Option<Self> {
+    pub fn new(basis: &Basis, form: FreeForm<f64>, all: Shared) -> Option<Self> {
         let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
         let gram = DMatrix::from_fn(all.len(), all.len(), |i, j| dot(&rest[i], &rest[j]));
         if gram.iter().any(|x| !x.is_finite()) {
@@ -101,7 +104,7 @@ impl Directions {
         let smooth = determined(smoothest(&gram, (all.len() / second, second))?, whole);
         let columns: Vec<Vec<f64>> = smooth.par_iter().map(|d| combine(&all, &d.values)).collect();
         let columns = Arc::new(columns);
-        (!columns.is_empty()).then(|| Self { form, all, gram, whole, smooth, columns })
+        (!columns.is_empty()).then_some(Self { form, all, gram, whole, smooth, columns })
     }
 
     /// The form with about as many free directions as `freedom`. A map is a smoothing spline: most motions tell of a part of it
