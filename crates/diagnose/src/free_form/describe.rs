@@ -171,7 +171,7 @@ fn next(
     // the difference of two memories of nearly one length is a derivative, of any size
     let remembers =
         |c: &Candidate, f: &FreeForm<f64>| f.over == c.over && f.times == c.times && f.memory != c.memory;
-    let others = Hypothesis::penalties(design, &found.atoms, &so_far.terms);
+    let penalties_so_far = Hypothesis::penalties(design, &found.atoms, &so_far.terms);
     let with = |candidate: Candidate, knots: (usize, usize), freedom: &[usize]| -> Option<Vec<Trial>> {
         if so_far.terms.iter().any(|t| remembers(&candidate, &t.form)) {
             return None;
@@ -190,7 +190,7 @@ fn next(
                 _ => Normals::of(&all, &design.y, &blocks)?,
             };
             shared = Some((term.columns.clone(), normals.clone()));
-            let penalties = [&others[..], &term.penalties].concat();
+            let penalties = [&penalties_so_far[..], &term.penalties].concat();
             let fit = normals.fit(&all, &penalties, &design.y, &blocks, FOLDS)?;
             Some(Trial { candidate, knots, term, fit, p: 1.0 })
         };

@@ -1,11 +1,12 @@
 //! A free form as columns of the regression.
 
 use crate::library::design_matrix::DesignMatrix;
+use crate::regression::linear::gram;
 use friction::{FreeForm, FreeFormState};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use signals::{Basis, dot};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Smallest share of the strongest direction from which on a direction of the values is determined.
 const DETERMINED: f64 = 1e-3;
@@ -77,9 +78,10 @@ pub struct Directions {
     gram: DMatrix<f64>,
     /// Largest squared length of a column.
     whole: f64,
-    /// The smoothest first, and their columns.
+    /// The smoothest first.
     smooth: Vec<Direction>,
-    columns: Shared,
+    /// Their columns, once a map has asked for them.
+    columns: OnceLock<Shared>,
 }
 
 /// A direction of the values, of length one.
@@ -95,48 +97,41 @@ impl Directions {
     /// `all` has a column for each value. None where nothing is outside of the span of `basis`.
     pub fn new(basis: &Basis, form: FreeForm<f64>, all: Shared) -> Option<Self> {
         let rest: Vec<Vec<f64>> = all.par_iter().map(|c| basis.project_out(c)).collect();
-        let gram = DMatrix::from_fn(all.len(), all.len(), |i, j| dot(&rest[i], &rest[j]));
+        let gram = gram(&rest, 0..rest.first()?.len());
         if gram.iter().any(|x| !x.is_finite()) {
             return None;
         }
         let whole = all.iter().map(|c| dot(c, c)).fold(0.0, f64::max);
         let second = form.across.map_or(1, |(_, knots)| knots.places().len());
         let smooth = determined(smoothest(&gram, (all.len() / second, second))?, whole);
-        let columns: Vec<Vec<f64>> = smooth.par_iter().map(|d| combine(&all, &d.values)).collect();
-        let columns = Arc::new(columns);
-        (!columns.is_empty()).then_some(Self { form, all, gram, whole, smooth, columns })
+        (!smooth.is_empty()).then(|| Self { form, all, gram, whole, smooth, columns: OnceLock::new() })
     }
 
     /// The form with about as many free directions as `freedom`. A map is a smoothing spline: most motions tell of a part of it
     /// only. A curve is cut after its smoothest directions; if it has no more, all of its values are free.
     pub fn term(&self, freedom: usize) -> FreeTerm {
-        let Self { form, all, smooth, columns, .. } = self;
-        let (form, all, std) = (*form, all.clone(), vec![0.0; all.len()]);
-        let values = |of: &[Direction]| of.iter().map(|d| d.values.clone()).collect();
+        let Self { form, all, smooth, .. } = self;
+        let columns = |of: &[Direction]| Arc::new(of.iter().map(|d| combine(all, &d.values)).collect());
+        let term = |of: &[Direction], columns: Shared, penalties: Vec<f64>| FreeTerm {
+            form: *form,
+            all: all.clone(),
+            columns,
+            penalties,
+            modes: of.iter().map(|d| d.values.clone()).collect(),
+            freedom,
+            std: vec![0.0; all.len()],
+        };
+        let cut = |of: &[Direction]| term(of, columns(of), vec![0.0; of.len()]);
         if form.across.is_some() {
             let half = smooth.get(freedom).map_or(0.0, |d| d.smoothness);
             let penalty = |d: &Direction| if half > 0.0 { d.power * half / d.smoothness } else { 0.0 };
-            let penalties = smooth.iter().map(penalty).collect();
-            return FreeTerm {
-                form,
-                all,
-                columns: columns.clone(),
-                penalties,
-                modes: values(smooth),
-                freedom,
-                std,
-            };
-        }
-        let (modes, columns): (Vec<Vec<f64>>, Vec<Vec<f64>>) = if freedom < all.len() {
-            let kept = freedom.min(smooth.len());
-            (values(&smooth[..kept]), columns[..kept].to_vec())
+            let shared = self.columns.get_or_init(|| columns(smooth)).clone();
+            term(smooth, shared, smooth.iter().map(penalty).collect())
+        } else if freedom < all.len() {
+            cut(&smooth[..freedom.min(smooth.len())])
         } else {
-            let modes: Vec<Vec<f64>> = values(&determined(strongest(&self.gram), self.whole));
-            let columns = modes.iter().map(|mode| combine(&all, mode)).collect();
-            (modes, columns)
-        };
-        let penalties = vec![0.0; columns.len()];
-        FreeTerm { form, all, columns: Arc::new(columns), penalties, modes, freedom, std }
+            cut(&determined(strongest(&self.gram), self.whole))
+        }
     }
 }
 

@@ -123,6 +123,14 @@ pub fn gram<C: Borrow<[f64]>>(columns: &[C], rows: Range<usize>) -> DMatrix<f64>
     gram
 }
 
+/// A Gram matrix with penalties on its diagonal.
+fn penalized(mut gram: DMatrix<f64>, penalties: &[f64]) -> DMatrix<f64> {
+    for (i, penalty) in penalties.iter().enumerate() {
+        gram[(i, i)] += penalty;
+    }
+    gram
+}
+
 /// Inverse of a Gram matrix, scaled to unit diagonal first; None when it is singular.
 pub fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let p = gram.nrows();
@@ -141,14 +149,6 @@ pub fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 pub fn solve<C: Borrow<[f64]>>(columns: &[C], penalties: &[f64], y: &[f64]) -> Option<Vec<f64>> {
     let whole = normal(columns, y, 0..y.len());
     Some((inverse(&penalized(whole.gram, penalties))? * whole.moment).iter().copied().collect())
-}
-
-/// A Gram matrix with penalties on its diagonal.
-fn penalized(mut gram: DMatrix<f64>, penalties: &[f64]) -> DMatrix<f64> {
-    for (i, penalty) in penalties.iter().enumerate() {
-        gram[(i, i)] += penalty;
-    }
-    gram
 }
 
 /// The same, and the mean leverage of the rows `judged`: the mean variance of their prediction over that of one row.
