@@ -3,7 +3,7 @@
 use crate::{Invalid, Motion, Scalar, in_range, mean_decay};
 
 /// Largest number of knots on one axis.
-pub const MAX_KNOTS: usize = 24;
+pub const MAX_KNOTS: usize = 72;
 /// Largest number of values of a curve or map.
 pub const MAX_VALUES: usize = 100;
 
@@ -27,11 +27,13 @@ pub enum Coordinate {
     TimeSinceReversal,
     /// Distance slid in the last moments, m or rad: ∫ |v| dt that fades with the time constant [`FreeForm::memory`].
     Slid,
+    /// Displacement in the last moments, m or rad: ∫ v dt that fades likewise. A spring over it is a Maxwell element.
+    Moved,
 }
 
 impl Coordinate {
     /// Every coordinate.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Position,
         Self::Velocity,
         Self::Speed,
@@ -40,6 +42,7 @@ impl Coordinate {
         Self::DistanceSinceReversal,
         Self::TimeSinceReversal,
         Self::Slid,
+        Self::Moved,
     ];
 
     /// Name in files.
@@ -54,7 +57,14 @@ impl Coordinate {
             Self::DistanceSinceReversal => "distance_since_reversal",
             Self::TimeSinceReversal => "time_since_reversal",
             Self::Slid => "slid",
+            Self::Moved => "moved",
         }
+    }
+
+    /// Whether it fades with the time constant of the form.
+    #[must_use]
+    pub const fn fades(self) -> bool {
+        matches!(self, Self::Slid | Self::Moved)
     }
 
     /// The coordinate of this name.
@@ -192,7 +202,7 @@ pub struct FreeForm<S> {
     pub across: Option<(Coordinate, Knots<S>)>,
     /// What multiplies it.
     pub times: Factor,
-    /// Time constant of [`Coordinate::Slid`], s.
+    /// Time constant of a coordinate that fades, s.
     pub memory: S,
     /// Knots of the first coordinate.
     pub knots: Knots<S>,
@@ -208,12 +218,13 @@ pub struct FreeFormState<S> {
     distance: S,
     since: S,
     slid: S,
+    moved: S,
 }
 
 impl<S: Scalar> Default for FreeFormState<S> {
     fn default() -> Self {
         let (zero, far) = (S::zero(), S::lit(1e30));
-        Self { time: zero, velocity: None, way: zero, distance: far, since: far, slid: zero }
+        Self { time: zero, velocity: None, way: zero, distance: far, since: far, slid: zero, moved: zero }
     }
 }
 
@@ -250,7 +261,13 @@ impl<S: Scalar> FreeForm<S> {
     /// Whether it depends on the time since the start: one part of a recording says nothing about another.
     #[must_use]
     pub fn is_of_time(&self) -> bool {
-        self.over == Coordinate::Time || self.across.is_some_and(|(c, _)| c == Coordinate::Time)
+        self.reads(Coordinate::Time)
+    }
+
+    /// Whether it depends on a coordinate.
+    #[must_use]
+    pub fn reads(&self, coordinate: Coordinate) -> bool {
+        self.over == coordinate || self.across.is_some_and(|(c, _)| c == coordinate)
     }
 
     /// Number of values.
@@ -329,7 +346,9 @@ impl<S: Scalar> FreeFormState<S> {
         self.distance = (self.distance + slid).min(far);
         self.since = (self.since + dt).min(far);
         let q = dt / memory;
-        self.slid = (self.slid * (-q).exp() + slid * mean_decay(q)).min(far);
+        let (stays, added) = ((-q).exp(), mean_decay(q));
+        self.slid = (self.slid * stays + slid * added).min(far);
+        self.moved = (self.moved * stays + motion.displacement * added).clamp(-far, far);
     }
 
     /// Value of a coordinate after [`Self::advance`].
@@ -346,6 +365,7 @@ impl<S: Scalar> FreeFormState<S> {
             Coordinate::DistanceSinceReversal => self.distance,
             Coordinate::TimeSinceReversal => self.since,
             Coordinate::Slid => self.slid,
+            Coordinate::Moved => self.moved,
         }
     }
 }
@@ -410,6 +430,26 @@ mod tests {
         let sliding = Motion { dt: 1e-3, velocity: 0.2, displacement: 2e-4, ..Motion::default() };
         let last = (0..5_000).map(|_| form.step(&mut state, &sliding)).last().unwrap();
         assert!((last - 0.2 * 0.5).abs() < 1e-4, "v·τ in the long run: {last}");
+    }
+
+    #[test]
+    fn a_spring_over_what_was_moved_is_a_maxwell_element() {
+        let knots = Knots::new(&[-0.1, 0.1]).unwrap();
+        let mut form = FreeForm::curve(Coordinate::Moved, Factor::One, knots, &[-20.0, 20.0]).unwrap();
+        form.memory = 0.3;
+        let mut state = FreeFormState::default();
+        let step = |state: &mut FreeFormState<f64>, displacement: f64| {
+            form.step(
+                state,
+                &Motion { dt: 1e-3, velocity: 1e3 * displacement, displacement, ..Motion::default() },
+            )
+        };
+        let bent = (0..100).map(|_| step(&mut state, -1e-5)).last().unwrap();
+        let held = (0..300).map(|_| step(&mut state, 0.0)).last().unwrap();
+        // k·v·τ·(1 − e^(−t/τ)) while it moves, then e^(−t/τ) of that
+        let want = -200.0 * 0.01 * 0.3 * (1.0 - (-1.0_f64 / 3.0).exp());
+        assert!((bent - want).abs() < 1e-6, "{bent} for {want}");
+        assert!((held - bent * (-1.0_f64).exp()).abs() < 1e-6, "{held} of {bent}");
     }
 
     #[test]

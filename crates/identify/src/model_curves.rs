@@ -5,7 +5,7 @@
 //! over = "position"                # coordinate of `knots`
 //! across = "velocity"              # second coordinate of a map, of `knots_across`; left out for a curve
 //! times = "direction"              # what multiplies it: one, direction, velocity
-//! memory_s = 0.5                   # s, of the coordinate `slid`
+//! memory_s = 0.5                   # s, of the coordinates `slid` and `moved`
 //! knots = [-0.01, 0.0, 0.01]       # increasing
 //! values = [0.0, 0.2, 0.0]         # N at the knots; of a map for each of `knots` at all of `knots_across`
 //! ```

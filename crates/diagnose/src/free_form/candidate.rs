@@ -11,7 +11,7 @@ pub struct Candidate {
     pub over: Coordinate,
     pub across: Option<Coordinate>,
     pub times: Factor,
-    /// Time constant of what was slid, s.
+    /// Time constant of what was slid or moved, s.
     pub memory: f64,
     /// The moment of a change, s since the start; everything else is smooth.
     pub change: Option<f64>,
@@ -27,29 +27,45 @@ pub struct Fineness {
     pub freedom: &'static [usize],
 }
 
-/// Time constants of what was slid, as shares of the length of the longest recording.
+/// Time constants of what was slid or moved, as shares of the length of the longest recording.
 const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 
-const FIRST_CURVE: Fineness = Fineness { knots: (14, 0), freedom: &[7, 14] };
-const FIRST_OVER_TIME: Fineness = Fineness { knots: (16, 0), freedom: &[6] };
-const FIRST_MAP: Fineness = Fineness { knots: (6, 6), freedom: &[8, 16] };
-const CHANGE: Fineness = Fineness { knots: (2, 0), freedom: &[2] };
+const SMOOTH: Fineness = Fineness { knots: (16, 0), freedom: &[6, 12] };
+/// A detent, a bent tooth or a ripple that grows along the stroke is much shorter than the stroke.
+const FINE_TOO: [Fineness; 2] = [SMOOTH, Fineness { knots: (48, 0), freedom: &[20, 36] }];
+const FIRST_CUT: [Fineness; 1] = [Fineness { knots: (14, 0), freedom: &[7, 14] }];
+const FIRST_OVER_TIME: [Fineness; 1] = [Fineness { knots: (20, 0), freedom: &[6, 13] }];
+/// What relaxes is a spring, and hardly bent: a curve of many bends over a memory stands for anything in a motion that repeats.
+const RELAXES: [Fineness; 2] =
+    [Fineness { knots: (2, 0), freedom: &[2] }, Fineness { knots: (4, 0), freedom: &[4] }];
+const FIRST_MAP: [Fineness; 1] = [Fineness { knots: (6, 6), freedom: &[8, 16] }];
+const CHANGE: [Fineness; 1] = [Fineness { knots: (2, 0), freedom: &[2] }];
 /// What the best candidates are tried with besides.
-const CURVES: [Fineness; 3] = [
+const SMOOTHER: Fineness = Fineness { knots: (22, 0), freedom: &[3, 4, 5, 7, 10, 14, 18, 22] };
+const FINER_TOO: [Fineness; 2] = [SMOOTHER, Fineness { knots: (64, 0), freedom: &[18, 28, 40, 55] }];
+const CUTS: [Fineness; 3] = [
     Fineness { knots: (5, 0), freedom: &[5] },
     Fineness { knots: (8, 0), freedom: &[8] },
     Fineness { knots: (22, 0), freedom: &[4, 6, 9, 13, 22] },
 ];
-const OVER_TIME: [Fineness; 1] = [Fineness { knots: (16, 0), freedom: &[3, 4, 9, 13] }];
+const OVER_TIME: [Fineness; 1] = [Fineness { knots: (32, 0), freedom: &[3, 4, 6, 9, 13, 18, 28] }];
 const MAPS: [Fineness; 1] = [Fineness { knots: (10, 10), freedom: &[6, 9, 13, 18, 25, 35, 50] }];
 
 /// Most samples that decide where knots stand.
 const SAMPLES: usize = 20_000;
 
+/// Whether a curve over this is cut after its smoothest directions. Others are smoothing splines; but what a penalty takes off
+/// a curve over the velocity the viscous coefficient gives back, and neither is right beyond the speeds that were there. What
+/// relaxes has few directions, all free.
+pub fn is_cut(over: Coordinate) -> bool {
+    use Coordinate::{Acceleration, Moved, Speed, Velocity};
+    matches!(over, Velocity | Speed | Acceleration | Moved)
+}
+
 /// Every candidate on a motion of `seconds`.
 fn all(seconds: f64) -> Vec<Candidate> {
     use Coordinate::{
-        Acceleration, DistanceSinceReversal, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
+        Acceleration, DistanceSinceReversal, Moved, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
     };
     use Factor::{Direction, One, Velocity as Viscous};
     let curve = Candidate::curve;
@@ -68,11 +84,13 @@ fn all(seconds: f64) -> Vec<Candidate> {
         curve(DistanceSinceReversal, Direction),
         curve(TimeSinceReversal, Direction),
         map(Position, Velocity),
+        map(Position, Acceleration),
+        map(Position, Time),
         map(Time, Velocity),
     ];
     for share in MEMORIES {
-        for times in [Direction, Viscous] {
-            out.push(Candidate { memory: share * seconds, ..curve(Slid, times) });
+        for (over, times) in [(Slid, Direction), (Slid, Viscous), (Moved, One)] {
+            out.push(Candidate { memory: share * seconds, ..curve(over, times) });
         }
     }
     out
@@ -102,7 +120,7 @@ impl Library {
         // derived from the position alone, its noise is that of the mass's column: noise would depend on it
         let measured = design.tracks.iter().all(|t| t.raw.velocity.is_some() || t.raw.acceleration.is_some());
         let (candidates, derived) =
-            all(seconds).into_iter().partition(|c| measured || c.over != Coordinate::Acceleration);
+            all(seconds).into_iter().partition(|c| measured || !c.reads(Coordinate::Acceleration));
         Self { candidates, derived, kept: Mutex::default() }
     }
 
@@ -116,8 +134,7 @@ impl Library {
 
     /// Candidates that depend on the motion alone.
     pub fn of_motion(&self) -> impl Iterator<Item = Candidate> {
-        let timed = |c: &Candidate| c.over == Coordinate::Time || c.across == Some(Coordinate::Time);
-        self.candidates.iter().copied().filter(move |c| !timed(c))
+        self.candidates.iter().copied().filter(|c| !c.reads(Coordinate::Time))
     }
 
     /// The form of a candidate with this many knots, and its columns.
@@ -149,23 +166,23 @@ impl Candidate {
         Self { change: Some(at), ..Self::curve(Coordinate::Time, times) }
     }
 
-    /// How fine it is to begin with.
-    pub fn first(&self) -> Fineness {
-        match (self.change, self.across) {
-            (Some(_), _) => CHANGE,
-            (None, Some(_)) => FIRST_MAP,
-            (None, None) if self.over == Coordinate::Time => FIRST_OVER_TIME,
-            (None, None) => FIRST_CURVE,
-        }
+    /// Whether it depends on a coordinate.
+    fn reads(&self, coordinate: Coordinate) -> bool {
+        self.over == coordinate || self.across == Some(coordinate)
     }
 
-    /// What it is tried with besides.
-    pub fn finer_and_coarser(&self) -> &'static [Fineness] {
-        match (self.change, self.across) {
-            (Some(_), _) => &[],
-            (None, Some(_)) => &MAPS,
-            (None, None) if self.over == Coordinate::Time => &OVER_TIME,
-            (None, None) => &CURVES,
+    /// How fine it is to begin with, and what it is tried with besides if it is among the best; `much` is left.
+    pub fn fineness(&self, much: bool) -> [&'static [Fineness]; 2] {
+        match (self.change, self.across, self.over) {
+            (Some(_), ..) => [&CHANGE, &[]],
+            (None, Some(_), _) => [&FIRST_MAP, &MAPS],
+            (None, None, Coordinate::Time) => [&FIRST_OVER_TIME, &OVER_TIME],
+            (None, None, Coordinate::Moved) => [&RELAXES, &[]],
+            (None, None, over) if is_cut(over) => [&FIRST_CUT, &CUTS],
+            (None, None, Coordinate::Position) if much && self.times != Factor::Velocity => {
+                [&FINE_TOO, &FINER_TOO]
+            }
+            (None, None, _) => [&FINE_TOO[..1], &FINER_TOO[..1]],
         }
     }
 

@@ -2,17 +2,28 @@
 
 use crate::free_form::candidate::Library;
 use crate::free_form::describe::{Described, LEAVES, describe};
+use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::TermKind;
 use crate::regression::linear::Fit;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::Search;
 use crate::search::lasting::Regime;
+use friction::effects::Quantity;
+
+/// Names and forms beyond which a simpler description is looked for over a derived acceleration, too.
+const MANY: usize = 2;
 
 /// Share of what names leave above the floor that as many free forms have to explain to contradict them.
 const BETTER: f64 = 0.25;
 
 /// Relative increase of the held-out error up to which fewer free forms are as good as names and forms together.
 const AS_GOOD: f64 = 0.02;
+
+/// Most free directions of a form that takes the place of several names because it is one: a finer curve follows any of them.
+const COARSE: usize = 22;
+
+/// The same as a share of what names and forms gain.
+const OF_GAIN: f64 = 0.005;
 
 /// Confirmed names, free forms, and the names that the free forms contradict.
 pub struct Resolved {
@@ -40,24 +51,43 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
         return Resolved { found: found.clone(), described, kin: Vec::new() };
     }
     let names = found.atoms.len() + described.terms.len();
-    let contradicts = |alone: &Described| {
-        let free = alone.fit.heldout_sum();
-        let fewer = alone.terms.len() < names && free < (1.0 + AS_GOOD) * named;
-        let as_many = alone.terms.len() == names && is_better(search, &described.fit, &alone.fit);
+    let as_good = named + (AS_GOOD * named).max(OF_GAIN * (baseline.fit.heldout_sum() - named));
+    let contradicts = |other: &(Hypothesis, Described)| {
+        let (kept, alone) = other;
+        let (free, count) = (alone.fit.heldout_sum(), kept.atoms.len() + alone.terms.len());
+        let coarse = alone.terms.iter().all(|t| t.freedom <= COARSE);
+        let fewer = count < names && coarse && free < as_good;
+        let as_many = count == names && is_better(search, &described.fit, &alone.fit);
         let gains = || search.gains(&described.fit, &alone.fit)[0] > 0.0;
         !alone.terms.is_empty() && (fewer || as_many || gains())
     };
-    let contradiction =
-        |library: &Library| Some(describe(search, library, baseline, regimes)).filter(&contradicts);
-    let mut alone = contradiction(&library);
-    if alone.is_none() && much && library.widen() {
-        alone = contradiction(&library);
+    let contradiction = |library: &Library, kept: &Hypothesis| {
+        Some((kept.clone(), describe(search, library, kept, regimes))).filter(contradicts)
+    };
+    let elsewhere = not_over_position(search.design, found);
+    let kept = std::iter::once(baseline).chain(&elsewhere);
+    let heldout = |other: &(Hypothesis, Described)| other.1.fit.heldout_sum();
+    let others = kept.filter_map(|kept| contradiction(&library, kept));
+    let mut other = others.min_by(|a, b| heldout(a).total_cmp(&heldout(b)));
+    let left = other.as_ref().map_or(named, heldout);
+    if (left > LEAVES * search.floor || names > MANY) && library.widen() {
+        let wider = contradiction(&library, baseline);
+        other = wider.filter(|w| other.is_none() || heldout(w) < left).or(other);
     }
-    let resolved = match alone {
-        Some(alone) => restored(search, found, baseline, alone),
+    let resolved = match other {
+        Some((kept, alone)) => restored(search, found, &kept, alone),
         None => Resolved { found: found.clone(), described, kin: Vec::new() },
     };
     needless(search, resolved)
+}
+
+/// The names that are not over the position, where there are others: a curve over the position contradicts those, whatever else
+/// is there.
+fn not_over_position(design: &DesignMatrix, found: &Hypothesis) -> Option<Hypothesis> {
+    let elsewhere = |a: &&Atom| !a.term.kind.about().reads(Quantity::Position);
+    let atoms: Vec<Atom> = found.atoms.iter().filter(elsewhere).cloned().collect();
+    let some = !atoms.is_empty() && atoms.len() < found.atoms.len();
+    some.then(|| Hypothesis::new(design, atoms)).flatten()
 }
 
 /// Whether the second of two fits explains so much of what the first leaves that the first is wrong.
@@ -67,9 +97,9 @@ fn is_better(search: &Search, first: &Fit, second: &Fit) -> bool {
 }
 
 /// Puts an effect in the place of each free form that it explains as well.
-fn restored(search: &Search, found: &Hypothesis, baseline: &Hypothesis, alone: Described) -> Resolved {
-    let mut now = Resolved { found: baseline.clone(), described: alone, kin: Vec::new() };
-    let mut left: Vec<Atom> = found.atoms.clone();
+fn restored(search: &Search, found: &Hypothesis, kept: &Hypothesis, alone: Described) -> Resolved {
+    let mut now = Resolved { found: kept.clone(), described: alone, kin: Vec::new() };
+    let mut left: Vec<Atom> = found.atoms.iter().filter(|a| !kept.has(a.term.kind)).cloned().collect();
     loop {
         let place = |i: usize, c: usize| {
             let atoms = now.found.atoms.iter().chain([&left[i]]).cloned().collect();

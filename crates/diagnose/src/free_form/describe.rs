@@ -23,6 +23,8 @@ const AROUND: [f64; 4] = [0.56, 0.75, 1.33, 1.78];
 const CLOSER: usize = 3;
 /// Relative increase of the held-out error that is accepted for fewer columns, or for a memory of the library.
 const SIMPLER: f64 = 0.02;
+/// Share of the gain that a map has to gain beyond a curve: it has the curve in it.
+const OF_MAP: f64 = 0.01;
 /// Smallest gain of a form, as a share of the error above the floor.
 const MATERIAL: f64 = 0.1;
 /// The same, as a share of the floor.
@@ -30,6 +32,8 @@ const SEEN: f64 = 0.05;
 /// The same, as a share of what the named effects explain. Their regressors are only as exact as the measured motion, so
 /// each leaves a small error of its own, which is no further physics.
 const OF_NAMED: f64 = 5e-4;
+/// Largest share of the squared error that one change leaves whose gain differs much from part to part of the recording.
+const STEPS: f64 = 0.5;
 /// Squared error over that of the floor from which on so much is left that names may be wrong, and that a map is tried: it
 /// follows the small errors of the measured motion, too.
 pub const LEAVES: f64 = 2.0;
@@ -53,19 +57,26 @@ pub struct Gain {
     pub p: f64,
 }
 
-/// Joint fit of a hypothesis and free forms, cross-validated over `folds` groups of blocks.
-pub fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm], folds: usize) -> Option<Fit> {
+/// Joint fit of a hypothesis and free forms, cross-validated.
+pub fn joint(design: &DesignMatrix, found: &Hypothesis, terms: &[FreeTerm]) -> Option<Fit> {
     let own = terms.iter().flat_map(|t| t.columns.iter()).map(Vec::as_slice);
     let columns: Vec<&[f64]> = Hypothesis::columns(design, &found.atoms).into_iter().chain(own).collect();
     let penalties = Hypothesis::penalties(design, &found.atoms, terms);
     let (y, blocks) = (&design.y, blocks(design, terms.iter().map(|t| &t.form)));
+    let folds = folds(&blocks, terms.iter().map(|t| &t.form));
     Normals::of(&columns, y, &blocks)?.fit(&columns, &penalties, y, &blocks, folds)
+}
+
+/// Groups of blocks that are left out in turn. Of the time each is one block: what comes and goes within a longer group is not
+/// known from what is around it.
+fn folds<'a>(blocks: &Blocks, forms: impl IntoIterator<Item = &'a FreeForm<f64>>) -> usize {
+    if forms.into_iter().any(FreeForm::is_of_time) { blocks.len() } else { FOLDS }
 }
 
 /// The blocks of a fit with these forms. A form of the acceleration has the errors of the mass's column, and to take them off
 /// one of the two alone makes them cancel each other.
 fn blocks<'a>(design: &DesignMatrix, forms: impl IntoIterator<Item = &'a FreeForm<f64>>) -> Blocks {
-    let accelerates = |f: &FreeForm<f64>| f.over == Coordinate::Acceleration;
+    let accelerates = |f: &FreeForm<f64>| f.reads(Coordinate::Acceleration);
     match forms.into_iter().any(accelerates) {
         true => Blocks { noise: Vec::new(), ..design.blocks.clone() },
         false => design.blocks.clone(),
@@ -83,6 +94,7 @@ pub fn describe(search: &Search, library: &Library, found: &Hypothesis, regimes:
         out.terms.push(term);
         out.gains.push(gain);
         out.fit = fit;
+        out = out.without_needless(search, found);
     }
     out.settle(design, found);
     out
@@ -111,10 +123,24 @@ impl Described {
             terms.push(anew);
             gains.push(*gain);
         }
-        let fit = joint(design, found, &terms, FOLDS)?;
+        let fit = joint(design, found, &terms)?;
         let mut out = Self { terms, fit, gains };
         out.settle(design, found);
         search.physical(&out.beside(found)).then_some(out)
+    }
+
+    /// Drops every form that the last one replaces: a map over the time follows in part what one step explains.
+    fn without_needless(self, search: &Search, found: &Hypothesis) -> Self {
+        let heldout = |d: &Self| d.fit.heldout_sum();
+        let before_last = 0..self.terms.len() - 1;
+        let fewer = before_last.filter_map(|i| self.without(search, found, Some(i)));
+        let best = fewer.min_by(|a, b| heldout(a).total_cmp(&heldout(b)));
+        match best {
+            Some(fewer) if heldout(&fewer) <= (1.0 + SIMPLER) * heldout(&self) => {
+                fewer.without_needless(search, found)
+            }
+            _ => self,
+        }
     }
 
     /// Measures again what each form gains beside `found` and the other forms.
@@ -178,7 +204,9 @@ fn next(
         }
         let (form, all) = library.get(design, candidate, knots.0, knots.1)?;
         let directions = Directions::new(&basis, form, all)?;
-        let blocks = blocks(design, so_far.terms.iter().map(|t| &t.form).chain([&form]));
+        let forms = || so_far.terms.iter().map(|t| &t.form).chain([&form]);
+        let blocks = blocks(design, forms());
+        let folds = folds(&blocks, forms());
         // maps of one fineness differ in their penalties only
         let mut shared: Option<(Shared, Arc<Normals>)> = None;
         let mut one = |freedom: &usize| -> Option<Trial> {
@@ -191,7 +219,7 @@ fn next(
             };
             shared = Some((term.columns.clone(), normals.clone()));
             let penalties = [&penalties_so_far[..], &term.penalties].concat();
-            let fit = normals.fit(&all, &penalties, &design.y, &blocks, FOLDS)?;
+            let fit = normals.fit(&all, &penalties, &design.y, &blocks, folds)?;
             Some(Trial { candidate, knots, term, fit, p: 1.0 })
         };
         Some(freedom.iter().filter(|f| 20 * **f <= rows).filter_map(&mut one).collect())
@@ -208,7 +236,7 @@ fn next(
         .filter(is_tried)
         .chain(&changes.candidates)
         .copied()
-        .flat_map_iter(|c| trials_of(c, c.first()))
+        .flat_map_iter(|c| c.fineness(much)[0].iter().flat_map(move |f| trials_of(c, *f)))
         .collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
@@ -222,7 +250,7 @@ fn next(
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
     let refined = |i: usize| {
         let Trial { candidate, p, .. } = trials[i];
-        let finer = candidate.finer_and_coarser().par_iter();
+        let finer = candidate.fineness(much)[1].par_iter();
         finer.flat_map_iter(move |fineness| trials_of(candidate, *fineness)).map(move |t| Trial { p, ..t })
     };
     let closest: Vec<usize> = (0..trials.len()).filter(closest).collect();
@@ -236,7 +264,7 @@ fn next(
         .max(OF_NAMED * explained);
     let opposes = |fit: &Fit| baseline::opposes(&design.physics(&fit.coefficients), search.scales.speed);
     // one after the other, until one holds where it was not fitted
-    while let Some(chosen) = simplest(&mut trials) {
+    while let Some(chosen) = simplest(&mut trials, before) {
         let (of, p) = (chosen.candidate, chosen.p);
         let other = |c: Candidate| with(c, chosen.knots, &[chosen.term.freedom]).into_iter().flatten();
         let others: Vec<Trial> = around(&chosen).into_par_iter().flat_map_iter(other).collect();
@@ -246,8 +274,10 @@ fn next(
         let interval = search.gains(&so_far.fit, &chosen.fit);
         // a form that flips the sign of a named effect replaces it instead of adding to it
         let beside = Hypothesis { fit: chosen.fit.clone(), ..found.clone() };
+        // the interval says what another motion would gain, and there nothing changes at this moment
+        let gains = interval[0] > 0.0 || of.change.is_some() && after <= STEPS * before;
         let clear = p <= LEVEL
-            && interval[0] > 0.0
+            && gains
             && before - after >= material
             && search.physical(&beside)
             && (opposes(&chosen.fit) || !opposes(&so_far.fit));
@@ -277,16 +307,20 @@ fn best_of_each(trials: Vec<Trial>) -> Vec<Trial> {
 
 /// The same curve with the memories around its own; none where it has no memory.
 fn around(trial: &Trial) -> Vec<Candidate> {
-    let has_memory = trial.candidate.over == Coordinate::Slid;
+    let has_memory = trial.candidate.over.fades();
     let with = |share: &f64| Candidate { memory: trial.candidate.memory * share, ..trial.candidate };
     AROUND.iter().filter(|_| has_memory).map(with).collect()
 }
 
-/// Takes the simplest of the trials that are as good as the best one.
-fn simplest(trials: &mut Vec<Trial>) -> Option<Trial> {
+/// Takes the simplest of the trials that are as good as the best one; `before` is the held-out error without any.
+fn simplest(trials: &mut Vec<Trial>, before: f64) -> Option<Trial> {
     let heldout = |t: &Trial| t.fit.heldout_sum();
-    let least = trials.iter().map(heldout).fold(f64::INFINITY, f64::min);
-    let good = (0..trials.len()).filter(|i| heldout(&trials[*i]) <= (1.0 + SIMPLER) * least);
+    let best = trials.iter().map(heldout).fold(f64::INFINITY, f64::min);
+    let of_map =
+        |t: &Trial| if t.candidate.across.is_some() { OF_MAP * (before - best).max(0.0) } else { 0.0 };
+    let charged = |t: &Trial| heldout(t) + of_map(t);
+    let least = trials.iter().map(charged).fold(f64::INFINITY, f64::min);
+    let good = (0..trials.len()).filter(|i| charged(&trials[*i]) <= (1.0 + SIMPLER) * least);
     let first = good.min_by_key(|i| trials[*i].term.free_columns().len())?;
     Some(trials.swap_remove(first))
 }

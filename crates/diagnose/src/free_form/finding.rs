@@ -17,7 +17,8 @@ const SWITCHED: &str =
 /// Dimension of a coordinate.
 fn dimension(of: Coordinate) -> Dimension {
     match of {
-        Coordinate::Position | Coordinate::DistanceSinceReversal | Coordinate::Slid => Dimension::LENGTH,
+        Coordinate::Position | Coordinate::DistanceSinceReversal => Dimension::LENGTH,
+        Coordinate::Slid | Coordinate::Moved => Dimension::LENGTH,
         Coordinate::Velocity | Coordinate::Speed => Dimension::VELOCITY,
         Coordinate::Acceleration => Dimension::ACCELERATION,
         Coordinate::Time | Coordinate::TimeSinceReversal => Dimension::TIME,
@@ -28,6 +29,7 @@ fn dimension(of: Coordinate) -> Dimension {
 fn words(of: Coordinate) -> String {
     match of {
         Coordinate::Slid => "the distance slid in the last moments".into(),
+        Coordinate::Moved => "the displacement in the last moments".into(),
         Coordinate::Speed => "the speed".into(),
         Coordinate::DistanceSinceReversal | Coordinate::TimeSinceReversal => {
             format!("the {}", of.id().replace("_since_", " since the last "))
@@ -64,6 +66,8 @@ fn experiment(term: &FreeTerm) -> String {
         "repeat the same move: an effect of the time since the start begins again, an effect of the time of day does not"
     } else if has(Coordinate::Slid) {
         "slide at one speed, rest for a while, slide again: what was slid fades, a position stays"
+    } else if has(Coordinate::Moved) {
+        "move, hold the new position and watch the force: what relaxes falls, a spring stays"
     } else if has(Coordinate::DistanceSinceReversal) || has(Coordinate::TimeSinceReversal) {
         "reverse after strokes of different length and at different speeds"
     } else if has(Coordinate::Position) && (has(Coordinate::Velocity) || term.form.times != Factor::One) {
@@ -135,7 +139,7 @@ pub fn missing(term: &FreeTerm, gain: &Gain, rows: f64, kin: &[&str], geometry: 
             coordinates,
             curve: FreeCurve {
                 times: form.times.id().into(),
-                memory_s: (form.over == Coordinate::Slid).then_some(form.memory),
+                memory_s: form.over.fades().then_some(form.memory),
                 period_s: None,
                 knots: form.knots.places().to_vec(),
                 knots_across: form.across.map(|(_, k)| k.places().to_vec()).unwrap_or_default(),

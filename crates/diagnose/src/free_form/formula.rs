@@ -29,7 +29,7 @@ struct Form {
 }
 
 use Coordinate::{
-    Acceleration, DistanceSinceReversal, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
+    Acceleration, DistanceSinceReversal, Moved, Position, Slid, Speed, Time, TimeSinceReversal, Velocity,
 };
 use Shape::{Place, Power, Scale};
 
@@ -82,6 +82,20 @@ const FORMS: &[Form] = &[
         of: |u, _| u,
         over: &[Position, Time, Slid],
         made_by: "a spring, a slope, a drift",
+    },
+    Form {
+        formula: "u",
+        shape: &[],
+        of: |u, _| u,
+        over: &[Moved],
+        made_by: "something that gives way slowly: a belt, a rubber part, a cable or a hose (a Maxwell element)",
+    },
+    Form {
+        formula: "u^2",
+        shape: &[],
+        of: |u, _| u * u,
+        over: &[Velocity],
+        made_by: "something that is thrown outward or blown: a linkage that turns, a fan",
     },
     Form {
         formula: "sin(2*pi*(u - u_0)/w)",
@@ -195,7 +209,9 @@ pub fn looks_like(term: &FreeTerm) -> Option<Formula> {
         .iter()
         .filter(|f| f.over.contains(&form.over))
         .filter_map(|f| {
-            let free = u.len().checked_sub(absorbed.len() + 1 + f.shape.len()).filter(|n| *n > 0)?;
+            // between two knots there is nothing but the straight line
+            let free = u.len().checked_sub(absorbed.len() + 1 + f.shape.len())?;
+            let free = if u.len() == 2 { 1 } else { Some(free).filter(|n| *n > 0)? };
             let at = |shape: [f64; 2]| -> Option<Fitted> {
                 let g = basis.project_out(&weighted(&|k| (f.of)(u[k], shape)));
                 let power = dot(&g, &g);

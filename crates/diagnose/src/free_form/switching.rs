@@ -73,14 +73,12 @@ pub fn switching(search: &Search, found: &Hypothesis) -> Option<Described> {
     let inner = inner(design)?;
     let kinds = kinds(design);
     let basis = Basis::of(&found.all_columns(design));
-    // groups of blocks are longer than what comes and goes
-    let fit = |terms: &[FreeTerm]| joint(design, found, terms, design.blocks.len());
     let (fit_with, terms, column, rows) = kinds
         .iter()
         .filter_map(|(factor, column)| {
             let rows = moments(design, basis.clone(), column, inner)?;
             let terms = forms(design, basis.clone(), *factor, &rows)?;
-            Some((fit(&terms)?, terms, column, rows))
+            Some((joint(design, found, &terms)?, terms, column, rows))
         })
         .min_by(|a, b| a.0.heldout_sum().total_cmp(&b.0.heldout_sum()))?;
     let own: Vec<Vec<f64>> = rows.iter().map(|row| from(column, *row)).collect();
@@ -90,9 +88,8 @@ pub fn switching(search: &Search, found: &Hypothesis) -> Option<Described> {
         own.iter().map(|c| (true, c.as_slice())).chain(others.iter().map(|c| (false, c.as_slice())));
     let (is_own, family) = search.family(&basis, &found.fit, &fit_with, columns.collect());
     let p = is_own.into_iter().zip(family.p).filter(|(own, _)| *own).map(|(_, p)| p).fold(1.0, f64::min);
-    let without = fit(&[])?;
-    let (before, after) = (without.heldout_sum(), fit_with.heldout_sum());
-    let gain = Gain { before, after, interval: search.gains(&without, &fit_with), p };
+    let (before, after) = (found.fit.heldout_sum(), fit_with.heldout_sum());
+    let gain = Gain { before, after, interval: search.gains(&found.fit, &fit_with), p };
     let mut described = Described { gains: vec![gain; terms.len()], terms, fit: fit_with };
     // the interval of the gain is not asked: it says what another recording would gain, and there the moments are others
     let clear =

@@ -1,5 +1,6 @@
 //! A free form as columns of the regression.
 
+use crate::free_form::candidate::is_cut;
 use crate::library::design_matrix::DesignMatrix;
 use crate::regression::linear::gram;
 use friction::{FreeForm, FreeFormState};
@@ -107,8 +108,8 @@ impl Directions {
         (!smooth.is_empty()).then(|| Self { form, all, gram, whole, smooth, columns: OnceLock::new() })
     }
 
-    /// The form with about as many free directions as `freedom`. A map is a smoothing spline: most motions tell of a part of it
-    /// only. A curve is cut after its smoothest directions; if it has no more, all of its values are free.
+    /// The form with about as many free directions as `freedom`. A map and most curves are smoothing splines: a motion may tell
+    /// of a part of them only. Others are cut after their smoothest directions, or have all of their values free.
     pub fn term(&self, freedom: usize) -> FreeTerm {
         let Self { form, all, smooth, .. } = self;
         let columns = |of: &[Direction]| Arc::new(of.iter().map(|d| combine(all, &d.values)).collect());
@@ -122,7 +123,7 @@ impl Directions {
             std: vec![0.0; all.len()],
         };
         let cut = |of: &[Direction]| term(of, columns(of), vec![0.0; of.len()]);
-        if form.across.is_some() {
+        if form.across.is_some() || !is_cut(form.over) {
             let half = smooth.get(freedom).map_or(0.0, |d| d.smoothness);
             let penalty = |d: &Direction| if half > 0.0 { d.power * half / d.smoothness } else { 0.0 };
             let shared = self.columns.get_or_init(|| columns(smooth)).clone();

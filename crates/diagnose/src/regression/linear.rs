@@ -1,6 +1,6 @@
 //! Least squares over few columns and many rows: blocked cross-validation, robust standard errors.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use signals::{dot, subtract_scaled};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::borrow::Borrow;
@@ -76,12 +76,12 @@ pub struct Normals {
     corrected: f64,
 }
 
-/// Normal equations, with the penalties in the Gram matrix, and its inverse.
+/// Normal equations, with the penalties in the Gram matrix.
 #[derive(Debug)]
 struct Known {
     normals: Arc<Normals>,
     gram: DMatrix<f64>,
-    cover: DMatrix<f64>,
+    factored: Factored,
 }
 
 impl Fit {
@@ -131,24 +131,48 @@ fn penalized(mut gram: DMatrix<f64>, penalties: &[f64]) -> DMatrix<f64> {
     gram
 }
 
+/// A Gram matrix of unit diagonal, factored, and what its rows were scaled by.
+#[derive(Debug)]
+struct Factored {
+    scale: DVector<f64>,
+    unit: Cholesky<f64, Dyn>,
+}
+
+impl Factored {
+    /// None when the matrix is singular.
+    fn new(gram: &DMatrix<f64>) -> Option<Self> {
+        let p = gram.nrows();
+        let scale = gram.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
+        if scale.iter().any(|s| *s == 0.0 || !s.is_finite()) {
+            return None;
+        }
+        let unit = DMatrix::from_fn(p, p, |i, j| {
+            gram[(i, j)] * scale[i] * scale[j] + if i == j { 1e-11 } else { 0.0 }
+        });
+        Some(Self { scale, unit: unit.cholesky()? })
+    }
+
+    /// The coefficients of a moment. An inverse of many columns would take longer than all the rest of a fit.
+    fn solve(&self, moment: &DVector<f64>) -> DVector<f64> {
+        let mut out = moment.component_mul(&self.scale);
+        self.unit.solve_mut(&mut out);
+        out.component_mul_assign(&self.scale);
+        out
+    }
+}
+
 /// Inverse of a Gram matrix, scaled to unit diagonal first; None when it is singular.
 pub fn inverse(gram: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let p = gram.nrows();
-    let scale: Vec<f64> =
-        (0..p).map(|i| if gram[(i, i)] > 0.0 { gram[(i, i)].sqrt().recip() } else { 0.0 }).collect();
-    if scale.iter().any(|s| *s == 0.0 || !s.is_finite()) {
-        return None;
-    }
-    let unit =
-        DMatrix::from_fn(p, p, |i, j| gram[(i, j)] * scale[i] * scale[j] + if i == j { 1e-11 } else { 0.0 });
-    let inverse = unit.cholesky()?.inverse();
-    Some(DMatrix::from_fn(p, p, |i, j| inverse[(i, j)] * scale[i] * scale[j]))
+    let Factored { scale, unit } = Factored::new(gram)?;
+    let inverse = unit.inverse();
+    Some(DMatrix::from_fn(gram.nrows(), gram.nrows(), |i, j| inverse[(i, j)] * scale[i] * scale[j]))
 }
 
 /// Least squares with penalties as of [`Normals::fit`]; none when the columns are dependent.
 pub fn solve<C: Borrow<[f64]>>(columns: &[C], penalties: &[f64], y: &[f64]) -> Option<Vec<f64>> {
     let whole = normal(columns, y, 0..y.len());
-    Some((inverse(&penalized(whole.gram, penalties))? * whole.moment).iter().copied().collect())
+    let solution = Factored::new(&penalized(whole.gram, penalties))?.solve(&whole.moment);
+    Some(solution.iter().copied().collect())
 }
 
 /// The same, and the mean leverage of the rows `judged`: the mean variance of their prediction over that of one row.
@@ -213,8 +237,8 @@ impl Normals {
         let (p, k) = (columns.len(), blocks.len());
         let Self { blocks: normals, moment, corrected, .. } = &**self;
         let gram = penalized(self.gram.clone(), penalties);
-        let cover = inverse(&gram)?;
-        let solution = &cover * moment;
+        let factored = Factored::new(&gram)?;
+        let solution = factored.solve(moment);
         let mut residual = y.to_vec();
         for (c, column) in solution.iter().zip(columns) {
             subtract_scaled(&mut residual, *c, column.borrow());
@@ -245,7 +269,7 @@ impl Normals {
                 m[i] = 0.0;
             }
             // A fold without which the fit is not determined is predicted by nothing rather than by itself.
-            let beta = inverse(&g).map_or_else(|| DVector::zeros(p), |c| c * m);
+            let beta = Factored::new(&g).map_or_else(|| DVector::zeros(p), |g| g.solve(&m));
             for (b, error) in heldout.iter_mut().enumerate().take(high).skip(low) {
                 for row in blocks.rows(b) {
                     let prediction: f64 = beta.iter().zip(columns).map(|(c, x)| c * x.borrow()[row]).sum();
@@ -261,7 +285,7 @@ impl Normals {
         Some(Fit {
             coefficients,
             std_errors: OnceLock::new(),
-            known: Arc::new(Known { normals: self.clone(), gram, cover }),
+            known: Arc::new(Known { normals: self.clone(), gram, factored }),
             residual,
             heldout,
             heldout_prediction,
@@ -274,16 +298,16 @@ impl Known {
     /// hold most of what is known about a coefficient the usual sandwich is too sure of it. Opened by Student's factor for as
     /// many blocks as really speak, so that 1.96 of them hold 95 %.
     fn std_errors(&self) -> Vec<f64> {
-        let Self { normals, gram, cover } = self;
+        let Self { normals, gram, factored } = self;
         let Normals { blocks: normals, moment, .. } = &**normals;
-        let solution = cover * moment;
+        let solution = factored.solve(moment);
         let (p, k) = (solution.len(), normals.len() as f64);
         let (mut squares, mut fourths) = (vec![0.0; p], vec![0.0; p]);
         for n in normals {
-            let change = match inverse(&(gram - &n.gram)) {
-                Some(without) => without * (moment - &n.moment) - &solution,
+            let change = match Factored::new(&(gram - &n.gram)) {
+                Some(without) => without.solve(&(moment - &n.moment)) - &solution,
                 // all that is known of a coefficient is in this block
-                None => cover * (&n.moment - &n.gram * &solution),
+                None => factored.solve(&(&n.moment - &n.gram * &solution)),
             };
             for (c, (square, fourth)) in change.iter().zip(squares.iter_mut().zip(&mut fourths)) {
                 *square += c * c;
