@@ -30,26 +30,43 @@ pub struct Fineness {
 /// Time constants of what was slid or moved, as shares of the length of the longest recording.
 const MEMORIES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 
+/// What a form is tried with at first, and what the best are tried with besides.
+#[derive(Debug)]
+pub struct Ladder {
+    pub first: &'static [Fineness],
+    pub besides: &'static [Fineness],
+}
+
 const SMOOTH: Fineness = Fineness { knots: (16, 0), freedom: &[6, 12] };
-/// A detent, a bent tooth or a ripple that grows along the stroke is much shorter than the stroke.
-const FINE_TOO: [Fineness; 2] = [SMOOTH, Fineness { knots: (48, 0), freedom: &[20, 36] }];
-const FIRST_CUT: [Fineness; 1] = [Fineness { knots: (14, 0), freedom: &[7, 14] }];
-const FIRST_OVER_TIME: [Fineness; 1] = [Fineness { knots: (20, 0), freedom: &[6, 13] }];
-/// What relaxes is a spring, and hardly bent: a curve of many bends over a memory stands for anything in a motion that repeats.
-const RELAXES: [Fineness; 2] =
-    [Fineness { knots: (2, 0), freedom: &[2] }, Fineness { knots: (4, 0), freedom: &[4] }];
-const FIRST_MAP: [Fineness; 1] = [Fineness { knots: (6, 6), freedom: &[8, 16] }];
-const CHANGE: [Fineness; 1] = [Fineness { knots: (2, 0), freedom: &[2] }];
-/// What the best candidates are tried with besides.
 const SMOOTHER: Fineness = Fineness { knots: (22, 0), freedom: &[3, 4, 5, 7, 10, 14, 18, 22] };
-const FINER_TOO: [Fineness; 2] = [SMOOTHER, Fineness { knots: (64, 0), freedom: &[18, 28, 40, 55] }];
-const CUTS: [Fineness; 3] = [
-    Fineness { knots: (5, 0), freedom: &[5] },
-    Fineness { knots: (8, 0), freedom: &[8] },
-    Fineness { knots: (22, 0), freedom: &[4, 6, 9, 13, 22] },
-];
-const OVER_TIME: [Fineness; 1] = [Fineness { knots: (32, 0), freedom: &[3, 4, 6, 9, 13, 18, 28] }];
-const MAPS: [Fineness; 1] = [Fineness { knots: (10, 10), freedom: &[6, 9, 13, 18, 25, 35, 50] }];
+const CURVE: Ladder = Ladder { first: &[SMOOTH], besides: &[SMOOTHER] };
+/// A detent, a bent tooth or a ripple that grows along the stroke is much shorter than the stroke.
+const STROKE: Ladder = Ladder {
+    first: &[SMOOTH, Fineness { knots: (48, 0), freedom: &[20, 36] }],
+    besides: &[SMOOTHER, Fineness { knots: (64, 0), freedom: &[18, 28, 40, 55] }],
+};
+const TIME: Ladder = Ladder {
+    first: &[Fineness { knots: (20, 0), freedom: &[6, 13] }],
+    besides: &[Fineness { knots: (32, 0), freedom: &[3, 4, 6, 9, 13, 18, 28] }],
+};
+/// What relaxes is a spring, and hardly bent: a curve of many bends over a memory stands for anything in a motion that repeats.
+const RELAXES: Ladder = Ladder {
+    first: &[Fineness { knots: (2, 0), freedom: &[2] }, Fineness { knots: (4, 0), freedom: &[4] }],
+    besides: &[],
+};
+const CUT: Ladder = Ladder {
+    first: &[Fineness { knots: (14, 0), freedom: &[7, 14] }],
+    besides: &[
+        Fineness { knots: (5, 0), freedom: &[5] },
+        Fineness { knots: (8, 0), freedom: &[8] },
+        Fineness { knots: (22, 0), freedom: &[4, 6, 9, 13, 22] },
+    ],
+};
+const MAP: Ladder = Ladder {
+    first: &[Fineness { knots: (6, 6), freedom: &[8, 16] }],
+    besides: &[Fineness { knots: (10, 10), freedom: &[6, 9, 13, 18, 25, 35, 50] }],
+};
+const CHANGE: Ladder = Ladder { first: &[Fineness { knots: (2, 0), freedom: &[2] }], besides: &[] };
 
 /// Most samples that decide where knots stand.
 const SAMPLES: usize = 20_000;
@@ -171,18 +188,16 @@ impl Candidate {
         self.over == coordinate || self.across == Some(coordinate)
     }
 
-    /// How fine it is to begin with, and what it is tried with besides if it is among the best; `much` is left.
-    pub fn fineness(&self, much: bool) -> [&'static [Fineness]; 2] {
+    /// How fine it is; `much` is left.
+    pub fn ladder(&self, much: bool) -> &'static Ladder {
         match (self.change, self.across, self.over) {
-            (Some(_), ..) => [&CHANGE, &[]],
-            (None, Some(_), _) => [&FIRST_MAP, &MAPS],
-            (None, None, Coordinate::Time) => [&FIRST_OVER_TIME, &OVER_TIME],
-            (None, None, Coordinate::Moved) => [&RELAXES, &[]],
-            (None, None, over) if is_cut(over) => [&FIRST_CUT, &CUTS],
-            (None, None, Coordinate::Position) if much && self.times != Factor::Velocity => {
-                [&FINE_TOO, &FINER_TOO]
-            }
-            (None, None, _) => [&FINE_TOO[..1], &FINER_TOO[..1]],
+            (Some(_), ..) => &CHANGE,
+            (None, Some(_), _) => &MAP,
+            (None, None, Coordinate::Time) => &TIME,
+            (None, None, Coordinate::Moved) => &RELAXES,
+            (None, None, over) if is_cut(over) => &CUT,
+            (None, None, Coordinate::Position) if much && self.times != Factor::Velocity => &STROKE,
+            (None, None, _) => &CURVE,
         }
     }
 

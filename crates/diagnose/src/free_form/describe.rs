@@ -236,7 +236,7 @@ fn next(
         .filter(is_tried)
         .chain(&changes.candidates)
         .copied()
-        .flat_map_iter(|c| c.fineness(much)[0].iter().flat_map(move |f| trials_of(c, *f)))
+        .flat_map_iter(|c| c.ladder(much).first.iter().flat_map(move |f| trials_of(c, *f)))
         .collect();
     let heldout = |t: &Trial| t.fit.heldout_sum();
     trials.sort_by(|a, b| heldout(a).total_cmp(&heldout(b)));
@@ -250,7 +250,7 @@ fn next(
     let closest = |i: &usize| *i < CLOSER || Some(*i) == map;
     let refined = |i: usize| {
         let Trial { candidate, p, .. } = trials[i];
-        let finer = candidate.fineness(much)[1].par_iter();
+        let finer = candidate.ladder(much).besides.par_iter();
         finer.flat_map_iter(move |fineness| trials_of(candidate, *fineness)).map(move |t| Trial { p, ..t })
     };
     let closest: Vec<usize> = (0..trials.len()).filter(closest).collect();

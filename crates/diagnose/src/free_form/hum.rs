@@ -308,7 +308,7 @@ fn moved(rest: &Rest, library: &Library, extra: &[ExtraColumn], columns: &[Vec<f
     };
     driven(rest, &ranges, columns)
         || library.of_motion().any(|candidate| {
-            let (first, second) = candidate.fineness(false)[0][0].knots;
+            let (first, second) = candidate.ladder(false).first[0].knots;
             library.get(design, candidate, first, second).is_some_and(|(_, all)| explains(&all))
         })
         || extra.iter().any(|column| column.curves(design).iter().any(|curve| taken(curve).1 < least))

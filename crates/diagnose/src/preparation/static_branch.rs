@@ -21,6 +21,9 @@ const MIN_T_STATISTIC: f64 = 6.0;
 /// Scatter below the edge over that above: what merely balances goes from one level of friction to the other, a law of
 /// sliding at low speed has a value.
 const WANDERS: f64 = 3.0;
+/// Smallest number of samples on one side of the edge over that on the other: between the few speeds of a triangle there are
+/// only reversals, and a ripple that is crossed at the slowest of them wanders, too.
+const ALIKE: f64 = 0.1;
 /// What may change above the edge, as a share of the step.
 const FLAT: f64 = 0.25;
 
@@ -76,6 +79,12 @@ struct Step {
 
 impl Step {
     fn at(bins: &[Bin; BINS], edge: usize) -> Option<Self> {
+        let counted =
+            |from: usize, to: usize| bins.get(from..to).map(|b| b.iter().map(|b| b.count).sum::<f64>());
+        let (below, above) = (counted(edge.checked_sub(SIDE)?, edge)?, counted(edge, edge + SIDE)?);
+        if below.min(above) < ALIKE * below.max(above) {
+            return None;
+        }
         let over = |from: usize, to: usize| -> Option<(f64, f64, f64)> {
             let bins = bins.get(from..to)?;
             let total = |of: fn(&Bin) -> f64| bins.iter().map(of).sum::<f64>();
