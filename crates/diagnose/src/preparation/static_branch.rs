@@ -21,8 +21,8 @@ const MIN_T_STATISTIC: f64 = 6.0;
 /// Scatter below the edge over that above: what merely balances goes from one level of friction to the other, a law of
 /// sliding at low speed has a value.
 const WANDERS: f64 = 3.0;
-/// Smallest number of samples on one side of the edge over that on the other: between the few speeds of a triangle there are
-/// only reversals, and a ripple that is crossed at the slowest of them wanders, too.
+/// Smallest number of samples in a bin on one side of the edge over that on the other, or further above. Between the few speeds
+/// of a triangle there are only reversals, and a ripple that is crossed at one of these speeds wanders, too.
 const ALIKE: f64 = 0.1;
 /// What may change above the edge, as a share of the step.
 const FLAT: f64 = 0.25;
@@ -79,10 +79,13 @@ struct Step {
 
 impl Step {
     fn at(bins: &[Bin; BINS], edge: usize) -> Option<Self> {
-        let counted =
-            |from: usize, to: usize| bins.get(from..to).map(|b| b.iter().map(|b| b.count).sum::<f64>());
-        let (below, above) = (counted(edge.checked_sub(SIDE)?, edge)?, counted(edge, edge + SIDE)?);
-        if below.min(above) < ALIKE * below.max(above) {
+        let counted = |from: usize, wide: usize| -> Option<f64> {
+            Some(bins.get(from..from + wide)?.iter().map(|b| b.count).sum::<f64>() / wide as f64)
+        };
+        let below = counted(edge.checked_sub(SIDE)?, SIDE)?;
+        let counts = [below, counted(edge, SIDE)?, counted(edge + SIDE, 2 * SIDE)?];
+        let (least, most) = counts.iter().fold((below, below), |(l, m), c| (l.min(*c), m.max(*c)));
+        if least < ALIKE * most {
             return None;
         }
         let over = |from: usize, to: usize| -> Option<(f64, f64, f64)> {
@@ -153,3 +156,27 @@ fn excess(used: &[(usize, &Track)], slow: f64) -> Option<Vec<f64>> {
 }
 
 const COLUMNS: usize = 12;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ripple_crossed_at_one_speed_of_a_triangle_was_a_static_branch() {
+        let bin = |count: f64, mean: f64, deviation: f64| Bin {
+            sum: count * mean,
+            squares: count * (mean * mean + deviation * deviation),
+            count,
+        };
+        let band = |others: f64| {
+            let mut bins = [bin(others, 0.0, 0.01); BINS];
+            bins[16..18].fill(bin(1000.0, -0.1, 0.2));
+            bins[18..20].fill(bin(1000.0, 0.0, 0.01));
+            bins
+        };
+        // every speed is passed, and below an edge the force wanders
+        assert!(Step::at(&band(800.0), 18).is_some_and(|s| s.is_one()));
+        // nearly all samples are at one speed, on both sides of the edge
+        assert!(Step::at(&band(30.0), 18).is_none());
+    }
+}
