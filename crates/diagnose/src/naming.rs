@@ -187,13 +187,14 @@ impl Named {
 
     /// Describes an error that nothing else explains, or only a smooth curve over time in part, by what comes and goes.
     fn describe_what_comes_and_goes(&mut self, options: &Options, cutoff: f64) {
+        let search = self.search(options, cutoff);
         let left = self.last.fit.heldout_sum();
-        let much = left > REMAINS * self.search(options, cutoff).floor;
+        let much = left > REMAINS * search.floor;
         if !(much || self.found.atoms.is_empty()) || !self.last.free.iter().all(FreeTerm::is_of_time) {
             return;
         }
         let better = |d: &Described| self.last.free.is_empty() || d.fit.heldout_sum() < OUTDONE * left;
-        if let Some(described) = switching(&self.search(options, cutoff), &self.found).filter(better) {
+        if let Some(described) = switching(&search, &self.found).filter(better) {
             (self.last, self.gains) = (described.beside(&self.found), described.gains);
         }
     }

@@ -184,7 +184,7 @@ impl Candidate {
     }
 
     /// Whether it depends on a coordinate.
-    fn reads(&self, coordinate: Coordinate) -> bool {
+    pub fn reads(&self, coordinate: Coordinate) -> bool {
         self.over == coordinate || self.across == Some(coordinate)
     }
 

@@ -10,20 +10,20 @@ use crate::search::judgement::Search;
 use crate::search::lasting::Regime;
 use friction::effects::Quantity;
 
-/// Names and forms beyond which a simpler description is looked for over a derived acceleration, too.
-const MANY: usize = 2;
-
 /// Share of what names leave above the floor that as many free forms have to explain to contradict them.
 const BETTER: f64 = 0.25;
 
 /// Relative increase of the held-out error up to which fewer free forms are as good as names and forms together.
 const AS_GOOD: f64 = 0.02;
 
+/// The same as a share of what names and forms gain.
+const OF_GAIN: f64 = 0.005;
+
 /// Most free directions of a form that takes the place of several names because it is one: a finer curve follows any of them.
 const COARSE: usize = 22;
 
-/// The same as a share of what names and forms gain.
-const OF_GAIN: f64 = 0.005;
+/// Names and forms beyond which a simpler description is looked for over a derived acceleration, too.
+const MANY: usize = 2;
 
 /// Confirmed names, free forms, and the names that the free forms contradict.
 pub struct Resolved {
@@ -66,15 +66,13 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
     };
     let elsewhere = not_over_position(search.design, found);
     let kept = std::iter::once(baseline).chain(&elsewhere);
+    let mut others: Vec<_> = kept.filter_map(|kept| contradiction(&library, kept)).collect();
     let heldout = |other: &(Hypothesis, Described)| other.1.fit.heldout_sum();
-    let others = kept.filter_map(|kept| contradiction(&library, kept));
-    let mut other = others.min_by(|a, b| heldout(a).total_cmp(&heldout(b)));
-    let left = other.as_ref().map_or(named, heldout);
-    if (left > LEAVES * search.floor || names > MANY) && library.widen() {
-        let wider = contradiction(&library, baseline);
-        other = wider.filter(|w| other.is_none() || heldout(w) < left).or(other);
+    let least = others.iter().map(heldout).reduce(f64::min).unwrap_or(named);
+    if (least > LEAVES * search.floor || names > MANY) && library.widen() {
+        others.extend(contradiction(&library, baseline));
     }
-    let resolved = match other {
+    let resolved = match others.into_iter().min_by(|a, b| heldout(a).total_cmp(&heldout(b))) {
         Some((kept, alone)) => restored(search, found, &kept, alone),
         None => Resolved { found: found.clone(), described, kin: Vec::new() },
     };

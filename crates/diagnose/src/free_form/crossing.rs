@@ -22,8 +22,7 @@ const PRIOR: f64 = 1e-3;
 /// The coordinates, by row, over which a form has to hold.
 fn others(design: &DesignMatrix, candidate: &Candidate) -> Vec<Vec<f64>> {
     let (position, velocity) = row_motion(design);
-    let axes = [Some(candidate.over), candidate.across];
-    let has = |c: Coordinate| axes.contains(&Some(c));
+    let has = |c: Coordinate| candidate.reads(c);
     let magnitudes = |of: &[f64]| of.iter().map(|x| x.abs()).collect();
     match (has(Coordinate::Position), has(Coordinate::Velocity)) {
         // the first column of the baseline is the acceleration

@@ -207,7 +207,7 @@ fn next(
         let forms = || so_far.terms.iter().map(|t| &t.form).chain([&form]);
         let blocks = blocks(design, forms());
         let folds = folds(&blocks, forms());
-        // maps of one fineness differ in their penalties only
+        // smoothing splines of one fineness differ in their penalties only
         let mut shared: Option<(Shared, Arc<Normals>)> = None;
         let mut one = |freedom: &usize| -> Option<Trial> {
             let term = directions.term(*freedom);
@@ -325,7 +325,7 @@ fn simplest(trials: &mut Vec<Trial>, before: f64) -> Option<Trial> {
     Some(trials.swap_remove(first))
 }
 
-/// Family-wise p of the best column of each trial; `others` belong to the family and to no trial.
+/// Family-wise p of the best column of each trial, 1 where a freer one has the same columns; `others` belong to the family and to no trial.
 fn significance(
     search: &Search,
     parent: &Fit,
@@ -334,8 +334,14 @@ fn significance(
     basis: &Basis,
 ) -> Option<Vec<f64>> {
     let child = &trials.first()?.fit;
-    let own =
-        trials.iter().enumerate().flat_map(|(i, t)| t.term.free_columns().iter().map(move |c| (Some(i), c)));
+    // of splines that share their columns the freest has those of the others
+    let freest = |t: &Trial| {
+        let freer =
+            |o: &Trial| Arc::ptr_eq(&o.term.columns, &t.term.columns) && o.term.freedom > t.term.freedom;
+        !trials.iter().any(freer)
+    };
+    let own = trials.iter().enumerate().filter(|(_, t)| freest(t));
+    let own = own.flat_map(|(i, t)| t.term.free_columns().iter().map(move |c| (Some(i), c)));
     let columns = own.chain(others.iter().map(|c| (None, c))).map(|(i, c)| (i, c.as_slice())).collect();
     let (of, family) = search.family(basis, parent, child, columns);
     let mut out = vec![1.0_f64; trials.len()];

@@ -58,8 +58,7 @@ fn prefix(times: Factor) -> &'static str {
 
 /// The move that separates a form's coordinate from the others.
 fn experiment(term: &FreeTerm) -> String {
-    let axes = [Some(term.form.over), term.form.across.map(|(c, _)| c)];
-    let has = |c: Coordinate| axes.contains(&Some(c));
+    let has = |c: Coordinate| term.form.reads(c);
     if Change::of(term).is_some() {
         "find out what happened at that moment, and repeat the move with it and without it"
     } else if has(Coordinate::Time) {

@@ -81,7 +81,7 @@ pub struct Directions {
     whole: f64,
     /// The smoothest first.
     smooth: Vec<Direction>,
-    /// Their columns, once a map has asked for them.
+    /// Their columns, once a smoothing spline has asked for them.
     columns: OnceLock<Shared>,
 }
 

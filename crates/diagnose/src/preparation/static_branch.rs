@@ -79,28 +79,20 @@ struct Step {
 
 impl Step {
     fn at(bins: &[Bin; BINS], edge: usize) -> Option<Self> {
-        let counted = |from: usize, wide: usize| -> Option<f64> {
-            Some(bins.get(from..from + wide)?.iter().map(|b| b.count).sum::<f64>() / wide as f64)
-        };
-        let below = counted(edge.checked_sub(SIDE)?, SIDE)?;
-        let counts = [below, counted(edge, SIDE)?, counted(edge + SIDE, 2 * SIDE)?];
-        let (least, most) = counts.iter().fold((below, below), |(l, m), c| (l.min(*c), m.max(*c)));
-        if least < ALIKE * most {
-            return None;
-        }
-        let over = |from: usize, to: usize| -> Option<(f64, f64, f64)> {
+        let over = |from: usize, to: usize| -> Option<(f64, (f64, f64, f64))> {
             let bins = bins.get(from..to)?;
             let total = |of: fn(&Bin) -> f64| bins.iter().map(of).sum::<f64>();
             let count = total(|b| b.count);
             let mean = total(|b| b.sum) / count;
             let variance = (total(|b| b.squares) / count - mean * mean).max(0.0);
-            (count >= 20.0).then_some((mean, variance / count, variance))
+            let in_a_bin = count / bins.len() as f64;
+            (count >= 20.0).then_some((in_a_bin, (mean, variance / count, variance)))
         };
-        Some(Self {
-            below: over(edge.checked_sub(SIDE)?, edge)?,
-            above: over(edge, edge + SIDE)?,
-            further: over(edge + SIDE, edge + 3 * SIDE)?,
-        })
+        let (some, below) = over(edge.checked_sub(SIDE)?, edge)?;
+        let (others, above) = over(edge, edge + SIDE)?;
+        let (more, further) = over(edge + SIDE, edge + 3 * SIDE)?;
+        let alike = some.min(others).min(more) >= ALIKE * some.max(others).max(more);
+        alike.then_some(Self { below, above, further })
     }
 
     fn jump(&self) -> f64 {
