@@ -18,13 +18,13 @@ pub const SEVERAL: f64 = 3.0;
 const MANY: f64 = 10.0;
 
 /// An error of several floors that nothing in the catalogue describes: a statement about the recording, not a model; and when
-/// it happened, where it happened once.
+/// it happened, where it happened once or a few times.
 pub fn elsewhere(
     search: &Search,
     found: &Hypothesis,
     p: f64,
     geometry: Geometry,
-) -> Option<(Missing, Option<Location>)> {
+) -> Option<(Missing, Vec<Location>)> {
     let rms = search.design.rms(found.fit.heldout_sum());
     let floor = search.design.rms(search.floor);
     let unit = Dimension::FORCE.unit(geometry);
@@ -35,8 +35,13 @@ pub fn elsewhere(
         return None;
     }
     let (size, when) = match &event {
-        Some(Event { rms, between: (from, to), .. }) => {
-            (*rms, format!(" from {} to {} s and small elsewhere", short(*from), short(*to)))
+        Some(Event { rms, parts }) => {
+            let part =
+                |((from, to), _): &((f64, f64), f64)| format!("from {} to {} s", short(*from), short(*to));
+            (
+                *rms,
+                format!(" {} and small elsewhere", parts.iter().map(part).collect::<Vec<_>>().join(" and ")),
+            )
         }
         None => (rms, String::new()),
     };
@@ -45,6 +50,11 @@ pub fn elsewhere(
             "no explanation of one part of this recording holds in another: what acts happened once, or depends on something \
              that is not in the recording; the body passes every place once, so the two look alike",
             "repeat the move, and record other influences (a load, a temperature, a supply) as further columns",
+        ),
+        (Some(Event { parts, .. }), false) if parts.len() > 1 => (
+            "no law and no curve over the motion explains it: what acts there acts too rarely for one part of this recording to \
+             confirm another",
+            "make a move that comes to these places and speeds more often",
         ),
         (Some(_), false) => (
             "no other part of this recording explains it: what acts there happened once, or depends on something that is not in \
@@ -58,14 +68,15 @@ pub fn elsewhere(
     };
     // p is of means over coordinates; an event is far beyond what noise does in any block
     let p = if event.is_some() { p.min(LEVEL) } else { p };
-    let location = event.map(|event| Location {
+    let location = |((from, to), share): ((f64, f64), f64)| Location {
         coordinate: "time".into(),
-        from: event.between.0,
-        to: event.between.1,
+        from,
+        to,
         unit: "s".into(),
-        share_of_mismatch: event.share,
+        share_of_mismatch: share,
         p,
-    });
+    };
+    let locations = event.into_iter().flat_map(|event| event.parts).map(location).collect();
     let missing = Missing {
         effect: Unnamed::ABOUT.id.into(),
         says: format!("the error is {:.0} times the noise floor{when}, and {why}", size / floor),
@@ -79,7 +90,7 @@ pub fn elsewhere(
         experiment: format!("{experiment}: {left} {unit} are left"),
         free_form: None,
     };
-    Some((missing, location))
+    Some((missing, locations))
 }
 
 /// The further columns that the error follows, and the effects that explain as much without them.

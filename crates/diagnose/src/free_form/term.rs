@@ -81,8 +81,16 @@ pub struct Directions {
     whole: f64,
     /// The smoothest first.
     smooth: Vec<Direction>,
+    /// Values that are no part of any direction.
+    own: Vec<Own>,
     /// Their columns, once a smoothing spline has asked for them.
     columns: OnceLock<Shared>,
+}
+
+/// A straight line whose column the basis holds, as over the velocity, and the share of each value in the slope that is its.
+struct Own {
+    values: Vec<f64>,
+    share: Vec<f64>,
 }
 
 /// A direction of the values, of length one.
@@ -105,20 +113,32 @@ impl Directions {
         let whole = all.iter().map(|c| dot(c, c)).fold(0.0, f64::max);
         let second = form.across.map_or(1, |(_, knots)| knots.places().len());
         let smooth = determined(smoothest(&gram, (all.len() / second, second))?, whole);
-        (!smooth.is_empty()).then(|| Self { form, all, gram, whole, smooth, columns: OnceLock::new() })
+        let own = own(&form, &all, &rest);
+        (!smooth.is_empty()).then(|| Self { form, all, gram, whole, smooth, own, columns: OnceLock::new() })
+    }
+
+    /// The values of a direction without what the basis holds of them: that keeps what it has without the form, and goes on beyond
+    /// the values that were there, where the form levels off.
+    fn apart(&self, direction: &Direction) -> Vec<f64> {
+        let mut values = direction.values.clone();
+        for Own { values: held, share } in &self.own {
+            let of = dot(&values, share);
+            values.iter_mut().zip(held).for_each(|(v, h)| *v -= of * h);
+        }
+        values
     }
 
     /// The form with about as many free directions as `freedom`. A map and most curves are smoothing splines: a motion may tell
     /// of a part of them only. Others are cut after their smoothest directions, or have all of their values free.
     pub fn term(&self, freedom: usize) -> FreeTerm {
         let Self { form, all, smooth, .. } = self;
-        let columns = |of: &[Direction]| Arc::new(of.iter().map(|d| combine(all, &d.values)).collect());
+        let columns = |of: &[Direction]| Arc::new(of.iter().map(|d| combine(all, &self.apart(d))).collect());
         let term = |of: &[Direction], columns: Shared, penalties: Vec<f64>| FreeTerm {
             form: *form,
             all: all.clone(),
             columns,
             penalties,
-            modes: of.iter().map(|d| d.values.clone()).collect(),
+            modes: of.iter().map(|d| self.apart(d)).collect(),
             freedom,
             std: vec![0.0; all.len()],
         };
@@ -133,6 +153,35 @@ impl Directions {
         } else {
             cut(&determined(strongest(&self.gram), self.whole))
         }
+    }
+}
+
+/// Straight lines of a curve whose column the basis holds, or the half of one on either side of zero; `rest` is what each column
+/// of the form has outside. Each value's share is that in the slope over the outer half of the values.
+fn own(form: &FreeForm<f64>, all: &[Vec<f64>], rest: &[Vec<f64>]) -> Vec<Own> {
+    if form.across.is_some() || !is_cut(form.over) {
+        return Vec::new();
+    }
+    let places = form.knots.places();
+    let far = places.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+    let own = |line: fn(f64) -> f64| {
+        let values: Vec<f64> = places.iter().map(|p| line(*p)).collect();
+        let (column, outside) = (combine(all, &values), combine(rest, &values));
+        let power = dot(&column, &column);
+        if !(dot(&outside, &outside) <= OUTSIDE * power && power > 0.0) {
+            return None;
+        }
+        let outer = |v: &f64| v.abs() >= 0.5 * far;
+        let count = values.iter().filter(|v| outer(v)).count() as f64;
+        let mean = values.iter().filter(|v| outer(v)).sum::<f64>() / count;
+        let from_mean = |v: &f64| if outer(v) { v - mean } else { 0.0 };
+        let spread: f64 = values.iter().map(|v| from_mean(v).powi(2)).sum();
+        let share = values.iter().map(|v| from_mean(v) / spread).collect();
+        (spread > 0.0).then_some(Own { values, share })
+    };
+    match (own(|p| p.max(0.0)), own(|p| p.min(0.0))) {
+        (None, None) => own(|p| p).into_iter().collect(),
+        (forward, backward) => forward.into_iter().chain(backward).collect(),
     }
 }
 

@@ -14,7 +14,7 @@ use friction::effects::{EffectKind, MAX_GAINS, MAX_MEMORY, MAX_SHAPE, SeriesKind
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use signals::{Channels, central_difference, noise_std};
+use signals::{Channels, four_point_difference, noise_std};
 use std::sync::Arc;
 
 /// Series that go through the filter together.
@@ -357,8 +357,9 @@ impl DesignMatrix {
             .collect();
         if self.delay {
             // below a sample the first term of the shift is all there is of it
-            let late = self
-                .rows(|t| t.pass(&central_difference(&t.f, t.raw.dt).iter().map(|r| -r).collect::<Vec<_>>()));
+            let late = self.rows(|t| {
+                t.pass(&four_point_difference(&t.f, t.raw.dt).iter().map(|r| -r).collect::<Vec<_>>())
+            });
             self.baseline.push(late);
         }
     }

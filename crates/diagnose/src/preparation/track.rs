@@ -12,7 +12,7 @@
 
 use signals::{
     Channels, Gaussian, LowPass, Noise, SHARPER, SMEARED, central_difference, derived_noise, differentiated,
-    noise_std, quantile, soften,
+    four_point_difference, noise_std, quantile, soften,
 };
 
 /// Cycles of a filter that are set aside beside a reversal of a body whose speed is derived from its position, in place of
@@ -101,20 +101,24 @@ impl Track {
             Some(_) => Gaussian::new(sharper, dt).apply(series),
             None => LowPass::new(sharper, dt).apply(series),
         };
+        // four points would overshoot beside a step of the speed
+        let rate = |series: &[f64]| match reversals.one_way {
+            Some(_) => central_difference(series, dt),
+            None => four_point_difference(series, dt),
+        };
         let noise = Noise { velocity: derived_noise(&raw, sharper).velocity, ..derived_noise(&raw, cutoff) };
         let x = sharp(&raw.position);
         let f = sharp(&raw.force);
-        let slope = central_difference(&x, dt);
+        let slope = rate(&x);
 
         let mut velocities = vec![(slope.clone(), noise.position * differentiated(1, sharper, dt))];
         if let Some(column) = &raw.velocity {
             velocities.push((sharp(column), noise_std(column) * differentiated(0, sharper, dt)));
         }
         let v = combine(&velocities);
-        let mut accelerations =
-            vec![(central_difference(&slope, dt), noise.position * differentiated(2, cutoff, dt))];
+        let mut accelerations = vec![(rate(&slope), noise.position * differentiated(2, cutoff, dt))];
         if let Some(column) = &raw.velocity {
-            let a = central_difference(&sharp(column), dt);
+            let a = rate(&sharp(column));
             accelerations.push((a, noise_std(column) * differentiated(1, cutoff, dt)));
         }
         if let Some(column) = &raw.acceleration {
@@ -179,11 +183,12 @@ impl Track {
         let guard = self.guard();
         let ring = samples(self.beside(), sharper, dt);
         let mean = moving_mean(&self.v, samples(SMEARED, sharper, dt));
+        let moves = moves(&self.v, guard, samples(SMEARED, sharper, dt));
         let mut unknown = Vec::new();
         let mut i = 0;
-        let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
+        let mut direction = (0..n).find(|&i| moves[i]).map_or(1.0, |i| self.v[i].signum());
         while i < n {
-            if self.v[i].abs() >= guard {
+            if moves[i] {
                 // a reversal so swift that no sample falls into it is still somewhere between two of them
                 if self.v[i].signum() != direction {
                     unknown.push((i.saturating_sub(ring), (i + ring).min(n)));
@@ -194,8 +199,7 @@ impl Track {
                 continue;
             }
             let start = i;
-            // not `< guard`: what is no number would be neither, and the loop would not end
-            while i < n && !(self.v[i].abs() >= guard) {
+            while i < n && !moves[i] {
                 i += 1;
             }
             let after = if i < n { self.v[i].signum() } else { direction };
@@ -363,6 +367,23 @@ fn get_going(speed: &[f64]) -> Option<usize> {
         if of > best.1 { (moment, of) } else { best }
     });
     (best.0 > 0.0 && best.0 + step <= last).then(|| best.0.round() as usize)
+}
+
+/// Noise of the speed of a body that is held goes above the guard now and then, hardly and for as long as the filter smears.
+const HARDLY: f64 = 1.5;
+
+/// Whether each sample is faster than `guard`, leaving out up to `short` samples together that hardly are.
+fn moves(speed: &[f64], guard: f64, short: usize) -> Vec<bool> {
+    let mut moves: Vec<bool> = speed.iter().map(|v| v.abs() >= guard).collect();
+    let mut from = 0;
+    for run in moves.chunk_by_mut(|a, b| a == b) {
+        let to = from + run.len();
+        if run[0] && run.len() <= short && speed[from..to].iter().all(|v| v.abs() < HARDLY * guard) {
+            run.fill(false);
+        }
+        from = to;
+    }
+    moves
 }
 
 /// Mean over `half` samples to either side, fewer at the ends.

@@ -8,7 +8,7 @@ use crate::linear::{Dropped, Problem, Solution};
 use crate::ready::Ready;
 use nalgebra::{DMatrix, DVector};
 use signals::{
-    Cutoff, Error, PlanarPrepared, PlanarRecording, RecordingFault, Settings, central_difference,
+    Cutoff, Error, PlanarPrepared, PlanarRecording, RecordingFault, Settings, four_point_difference,
     prepare_planar,
 };
 use std::collections::BTreeMap;
@@ -81,7 +81,7 @@ impl Term {
             // F(t − lag) ≈ F − lag dF/dt
             Self::Lag => units[0]
                 .each_ref()
-                .map(|f| central_difference(f, track.raw[0].dt).iter().map(|rate| -rate).collect()),
+                .map(|f| four_point_difference(f, track.raw[0].dt).iter().map(|rate| -rate).collect()),
         }
     }
 }

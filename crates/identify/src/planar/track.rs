@@ -4,7 +4,7 @@
 //! sides of the equation alike: friction of a body at rest is whatever balances the applied force.
 
 use signals::{
-    Channels, LowPass, SHARPER, SMEARED, central_difference, derived_noise, differentiated, noise_std,
+    Channels, LowPass, SHARPER, SMEARED, derived_noise, differentiated, four_point_difference, noise_std,
     quantile, soften,
 };
 
@@ -91,7 +91,7 @@ impl Chain {
     /// A series behind the sharper filter, `times` differentiated.
     fn derivative(&self, series: &[f64], times: i32) -> Vec<f64> {
         let first = self.sharp.apply(series);
-        (0..times).fold(first, |series, _| central_difference(&series, self.dt))
+        (0..times).fold(first, |series, _| four_point_difference(&series, self.dt))
     }
 
     /// Noise that a row has of white noise of 1 in a series that is `times` differentiated: behind both filters, averaged over

@@ -6,7 +6,7 @@
 
 use super::channels::Channels;
 use super::cutoff::differentiated;
-use crate::{LowPass, central_difference, noise_std};
+use crate::{LowPass, four_point_difference, noise_std};
 use nalgebra::{Matrix3, Vector3};
 
 /// A column compared with what the position says.
@@ -36,8 +36,8 @@ pub(super) fn compare(stretches: &[Channels]) -> (Option<Column>, Option<Column>
     for (c, filter) in stretches.iter().zip(&filters).filter(|part| !any || settles(part)) {
         let n = c.len();
         let settle = filter.settle().min(n / 4);
-        let v = central_difference(&filter.apply(&c.position), c.dt);
-        let a = central_difference(&v, c.dt);
+        let v = four_point_difference(&filter.apply(&c.position), c.dt);
+        let a = four_point_difference(&v, c.dt);
         let behind = |series: &[f64], order| noise_std(series) * differentiated(order, filter.cutoff(), c.dt);
         let independent = 2.0 * filter.cutoff() * c.dt;
         if let Some(column) = &c.velocity {
@@ -50,7 +50,7 @@ pub(super) fn compare(stretches: &[Channels]) -> (Option<Column>, Option<Column>
         if let Some(column) = &c.acceleration {
             acceleration.noise(n - 2 * settle, behind(&c.position, 2), behind(column, 0));
             let column = filter.apply(column);
-            let jerk = central_difference(&a, c.dt);
+            let jerk = four_point_difference(&a, c.dt);
             for i in settle..n - settle {
                 acceleration.add([a[i], -jerk[i], 1.0], column[i], independent);
             }

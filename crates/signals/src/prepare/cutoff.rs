@@ -8,8 +8,8 @@ use super::channels::Channels;
 use super::one_way::one_way;
 use crate::stretches::rms_frequency;
 use crate::{
-    Basis, LowPass, Source, Sources, central_difference, dot, four_point_difference, noise_std,
-    noise_variance, quantile, rms, spread,
+    Basis, LowPass, Source, Sources, dot, four_point_difference, noise_std, noise_variance, quantile, rms,
+    spread,
 };
 use std::f64::consts::PI;
 
@@ -194,8 +194,8 @@ impl Rough {
     /// By a regression on acceleration, direction, velocity and a constant behind a filter at `cutoff` Hz.
     fn of(channels: &Channels, cutoff: f64) -> Self {
         let filter = LowPass::new(cutoff, channels.dt);
-        let v = central_difference(&filter.apply(&channels.position), channels.dt);
-        let a = central_difference(&v, channels.dt);
+        let v = four_point_difference(&filter.apply(&channels.position), channels.dt);
+        let a = four_point_difference(&v, channels.dt);
         let sign: Vec<f64> =
             filter.apply(&v.iter().map(|v| if *v < 0.0 { -1.0 } else { 1.0 }).collect::<Vec<_>>());
         let f = filter.apply(&channels.force);

@@ -9,7 +9,7 @@
 use super::channels::Channels;
 use super::cutoff::differentiated;
 use super::wave::Wave;
-use crate::{Basis, LowPass, central_difference, dot, noise_std, quantile, quantum, random_signs};
+use crate::{Basis, LowPass, dot, four_point_difference, noise_std, quantile, quantum, random_signs};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -157,9 +157,9 @@ impl<'a> MotionModel<'a> {
         let mut difference = Vec::with_capacity(total);
         for p in &parts {
             let x = p.filter.apply(&p.raw.position);
-            let v = central_difference(&x, p.raw.dt);
-            let a = central_difference(&v, p.raw.dt);
-            let jerk = central_difference(&a, p.raw.dt);
+            let v = four_point_difference(&x, p.raw.dt);
+            let a = four_point_difference(&v, p.raw.dt);
+            let jerk = four_point_difference(&a, p.raw.dt);
             let shown = p.shown(column(p.raw, order)?, order);
             let own = if order == 2 { &a } else { &v };
             let time: Vec<f64> = (0..x.len()).map(|i| p.raw.start + i as f64 * p.raw.dt).collect();
@@ -308,7 +308,7 @@ impl<'a> MotionModel<'a> {
             let filtered = p.filter.apply_lanes(&waves);
             for (lane, out) in out.iter_mut().enumerate() {
                 let series: Vec<f64> = filtered.iter().map(|w| w[lane]).collect();
-                let derived = (0..self.order).fold(series, |s, _| central_difference(&s, p.raw.dt));
+                let derived = (0..self.order).fold(series, |s, _| four_point_difference(&s, p.raw.dt));
                 p.pick(&derived, out);
             }
         }

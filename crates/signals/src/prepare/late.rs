@@ -2,7 +2,7 @@
 //! front of its converter, or only a delay: a motion as slow as most looks the same through both, a jerk does not.
 
 use super::channels::Channels;
-use crate::{LowPass, central_difference};
+use crate::{LowPass, four_point_difference};
 use friction::effects::delayed;
 
 /// Advances the velocity of stretches by `lag` seconds.
@@ -41,13 +41,13 @@ fn advanced(column: &[f64], lag: f64, dt: f64) -> Vec<f64> {
 
 /// What a low-pass of first order with the time constant `lag` made the column of.
 fn restored(column: &[f64], lag: f64, dt: f64) -> Vec<f64> {
-    column.iter().zip(central_difference(column, dt)).map(|(x, rate)| x + lag * rate).collect()
+    column.iter().zip(four_point_difference(column, dt)).map(|(x, rate)| x + lag * rate).collect()
 }
 
 /// Squared difference between an acceleration and the second derivative of the position, up to a tenth of the sampling rate.
 fn away(position: &[f64], acceleration: &[f64], dt: f64) -> f64 {
     let filter = LowPass::new(0.1 / dt, dt);
-    let derived = central_difference(&central_difference(&filter.apply(position), dt), dt);
+    let derived = four_point_difference(&four_point_difference(&filter.apply(position), dt), dt);
     let settle = filter.settle().min(acceleration.len() / 4);
     let difference = derived.iter().zip(filter.apply(acceleration)).map(|(a, b)| (a - b).powi(2));
     difference.skip(settle).take(acceleration.len() - 2 * settle).sum()
@@ -67,7 +67,7 @@ mod tests {
     fn a_delay_and_a_low_pass_are_told_apart() {
         let (dt, lag) = (1e-3, 1.5e-3);
         let x: Vec<f64> = (0..6000).map(position).collect();
-        let a = central_difference(&central_difference(&x, dt), dt);
+        let a = four_point_difference(&four_point_difference(&x, dt), dt);
         let delayed = delayed(&a, lag, dt);
         let mut shown = 0.0;
         let share = 1.0 / (1.0 + lag / dt);

@@ -207,6 +207,11 @@ impl Hidden {
         (self.kind.id == "frictional_lag").then(|| self.time(1.0))
     }
 
+    /// Friction that a diagnosis states as the law's own: behind a play the effect is level·(φ − s), beside a law that has level·s.
+    pub(crate) fn of_the_law(&self) -> f64 {
+        if self.kind.id == "lost_motion" { self.size } else { 0.0 }
+    }
+
     /// Parameters a diagnosis would state, where the equations are the same; `half` is the half stroke, m or rad.
     pub(crate) fn parameters(&self, half: f64, seconds: f64) -> BTreeMap<String, f64> {
         let g = self.size;

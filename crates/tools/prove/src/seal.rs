@@ -2,6 +2,7 @@
 
 use crate::cases::{Extent, HIDES, Planned, Purpose, Scene, stage};
 use crate::error::{Error, Result};
+use crate::hidden::Hidden;
 use crate::sensors::{record, truth};
 use signals::Recording;
 use signals::files;
@@ -180,10 +181,11 @@ fn label(case: usize, planned: &Planned, scene: &Scene, seconds: f64) -> Label {
         Purpose::Hidden { .. } => "single",
     };
     let body = &scene.body;
+    let of_the_law: f64 = scene.hidden.iter().map(Hidden::of_the_law).sum();
     let baseline = [
         ("mass", body.mass / half),
-        ("coulomb_p", body.coulomb[0]),
-        ("coulomb_n", body.coulomb[1]),
+        ("coulomb_p", body.coulomb[0] + of_the_law),
+        ("coulomb_n", body.coulomb[1] + of_the_law),
         ("viscous_p", body.viscous[0] / half),
         ("viscous_n", body.viscous[1] / half),
     ];
