@@ -22,7 +22,7 @@ const OF_GAIN: f64 = 0.005;
 /// Most free directions of a form that takes the place of several names because it is one: a finer curve follows any of them.
 const COARSE: usize = 22;
 
-/// Numbers that every curve has at least: as few of names are no longer way to say it.
+/// Numbers that every curve has at least: names of as few are no longer way to say it.
 const LEAST: usize = 3;
 
 /// Names and forms beyond which a simpler description is looked for over a derived acceleration, too.
@@ -54,7 +54,8 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
         return Resolved { found: found.clone(), described, kin: Vec::new() };
     }
     let names = found.atoms.len() + described.terms.len();
-    let numbers: usize = found.atoms.iter().map(Atom::parameters).sum();
+    let of_names: usize = found.atoms.iter().map(Atom::parameters).sum();
+    let numbers = of_names + described.terms.iter().map(|t| t.freedom).sum::<usize>();
     let as_good = named + (AS_GOOD * named).max(OF_GAIN * (baseline.fit.heldout_sum() - named));
     let contradicts = |other: &(Hypothesis, Described)| {
         let (kept, alone) = other;
