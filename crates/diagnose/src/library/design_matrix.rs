@@ -14,7 +14,7 @@ use friction::effects::{EffectKind, MAX_GAINS, MAX_MEMORY, MAX_SHAPE, SeriesKind
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use signals::{Channels, four_point_difference, noise_std};
+use signals::{Basis, Channels, dot, four_point_difference, noise_std};
 use std::sync::Arc;
 
 /// Series that go through the filter together.
@@ -62,6 +62,8 @@ pub struct DesignMatrix {
     pub present: Vec<usize>,
     /// The delay of the force is the column of the baseline behind them.
     pub delay: bool,
+    /// Direction of the mass's column outside of the others of the baseline, and the share of its square there that is noise.
+    mass: (Vec<f64>, f64),
     /// Columns computed lately.
     kept: Kept,
 }
@@ -317,11 +319,13 @@ impl DesignMatrix {
             return None;
         }
         let (y, baseline, kept) = (Vec::new(), Vec::new(), Kept::default());
-        let mut design = Self { tracks, share, blocks, y, baseline, present, delay, kept };
+        let mut design =
+            Self { tracks, share, blocks, y, baseline, present, delay, mass: Default::default(), kept };
         design.fill();
         let first = fit(&design.baseline, &design.y, &design.blocks, 4);
         if let Some(first) = &first {
             design.measure_noise(cutoff, &first.coefficients);
+            design.measure_mass();
             let second = fit(&design.baseline, &design.y, &design.blocks, 4);
             let coefficients = &second.as_ref().unwrap_or(first).coefficients;
             design.blocks.mass = coefficients[0];
@@ -339,6 +343,23 @@ impl DesignMatrix {
             .rows(|t| t.pass(&t.a));
         let noise = |k: usize| self.blocks.rows(k).map(|r| (other[r] - clean[r]).powi(2)).sum();
         self.blocks.noise = (0..self.blocks.len()).map(noise).collect();
+    }
+
+    fn measure_mass(&mut self) {
+        let Some((mass, others)) = self.baseline.split_first() else { return };
+        let mut outside = Basis::of(others).project_out(mass);
+        let power = dot(&outside, &outside);
+        if power > 0.0 {
+            outside.iter_mut().for_each(|x| *x /= power.sqrt());
+            self.mass = (outside, (self.blocks.noise.iter().sum::<f64>() / power).min(1.0));
+        }
+    }
+
+    /// What the acceleration's noise leaves of the square of a column: a spring on one sine is the mass, and is not seen beside it
+    /// because the mass is measured with noise.
+    pub fn noise_beside(&self, column: &[f64]) -> f64 {
+        let (direction, noise) = &self.mass;
+        if direction.is_empty() { 0.0 } else { dot(direction, column).powi(2) * noise }
     }
 
     fn fill(&mut self) {
@@ -403,7 +424,7 @@ impl DesignMatrix {
 
     /// The same with nothing set aside, for columns of terms only.
     pub fn unmasked(&self) -> Self {
-        let mut out = Self { y: Vec::new(), baseline: Vec::new(), ..self.clone() };
+        let mut out = Self { y: Vec::new(), baseline: Vec::new(), mass: Default::default(), ..self.clone() };
         out.tracks.iter_mut().for_each(|t| t.mask.fill(1.0));
         out
     }

@@ -53,7 +53,8 @@ impl Catalogue {
             let of_shape = |shape: &[f64; MAX_SHAPE], clean: Vec<Column>, other: Vec<Column>| {
                 let variant = |(variant, groups): (usize, &&'static [&'static [usize]])| {
                     let term = Term { kind: *kind, shape: *shape, variant };
-                    let mut atom = Atom::of(shared(&clean, groups), &baseline, term);
+                    let noise = |c: &[f64]| design.noise_beside(c);
+                    let mut atom = Atom::of(shared(&clean, groups), &baseline, noise, term);
                     atom.reliable = reliability(&shared(&other, groups), &baseline, &atom);
                     atom
                 };

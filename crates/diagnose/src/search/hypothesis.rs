@@ -26,11 +26,16 @@ pub struct Atom {
 impl Atom {
     /// Evaluates a term; `baseline` is a basis of the baseline's columns.
     pub fn new(design: &DesignMatrix, baseline: &Basis, term: Term) -> Self {
-        Self::of(design.kept_columns(&term).iter().cloned(), baseline, term)
+        Self::of(design.kept_columns(&term).iter().cloned(), baseline, |c| design.noise_beside(c), term)
     }
 
-    /// The same from columns that are already there.
-    pub fn of(all: impl IntoIterator<Item = Column>, baseline: &Basis, term: Term) -> Self {
+    /// The same from columns that are already there; `noise` is what noise of the baseline leaves of the square of a column.
+    pub fn of(
+        all: impl IntoIterator<Item = Column>,
+        baseline: &Basis,
+        noise: impl Fn(&[f64]) -> f64,
+        term: Term,
+    ) -> Self {
         let mut columns = Vec::new();
         let mut active = Vec::new();
         let mut visible: f64 = 0.0;
@@ -43,7 +48,8 @@ impl Atom {
             let size = (dot(&column, &column) - level).max(0.0).sqrt();
             let left = baseline.left(&column).sqrt();
             if size > 0.0 && size.is_finite() && left.is_finite() {
-                visible = visible.max(left / size);
+                let without_noise = (left * left - noise(&column)).max(0.0).sqrt();
+                visible = visible.max(without_noise / size);
                 if left > 1e-3 * size {
                     columns.push(column);
                     active.push(i);

@@ -187,7 +187,7 @@ mod tests {
         let kind = TermKind::all()[0];
         let term = Term { kind, shape: [0.0; 2], variant: 0 };
         let columns = [wave(0.011, 0.5), wave(0.07, 0.0)].map(Arc::new);
-        let mut atom = Atom::of(columns, &Basis::default(), term);
+        let mut atom = Atom::of(columns, &Basis::default(), |_| 0.0, term);
         // one that says nothing new
         let sum = atom.columns[0].iter().zip(atom.columns[1].iter()).map(|(a, b)| a - 2.0 * b).collect();
         atom.columns = [atom.columns.to_vec(), vec![Arc::new(sum)]].concat().into();
@@ -200,7 +200,7 @@ mod tests {
         let captured = Basis::of(&atom.outside(&basis)).captured(&rest);
         assert!((overlap.captured(&span, 0) / captured - 1.0).abs() < 1e-7);
         assert!((span.power / dot(&rest, &rest) - 1.0).abs() < 1e-7);
-        let other = Atom::of([Arc::new(wave(0.021, -0.5))], &Basis::default(), term);
+        let other = Atom::of([Arc::new(wave(0.021, -0.5))], &Basis::default(), |_| 0.0, term);
         let overlap = Overlap::new(vec![&atom, &other], &fixed);
         let both = [atom.outside(&basis), other.outside(&basis)].concat();
         let pair = overlap.pairs(&span, &[1, 0]).captured(1, 0);
