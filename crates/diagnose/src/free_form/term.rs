@@ -286,3 +286,48 @@ fn combine(columns: &[Vec<f64>], shares: &[f64]) -> Vec<f64> {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::free_form::describe::joint;
+    use crate::preparation::track::Reversals;
+    use crate::search::hypothesis::Hypothesis;
+    use friction::{Coordinate, Factor, Knots};
+    use signals::Channels;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_curve_over_the_velocity_took_the_slope_of_what_is_beyond_it() {
+        const DT: f64 = 1e-3;
+        // friction that rises at low speed, then as 4 N·s/m
+        let friction = |v: f64| 1.5 * v.signum() + 0.6 * (v / 0.01).tanh() + 4.0 * v;
+        let tones = [(0.02, 0.5), (0.01, 0.83), (0.004, 1.7)];
+        let (mut position, mut force) = (Vec::new(), Vec::new());
+        for i in 0..16_000 {
+            let t = DT * f64::from(i);
+            let sum =
+                |of: fn(f64, f64, f64) -> f64| tones.iter().map(|(a, f)| of(*a, TAU * f, t)).sum::<f64>();
+            let v = sum(|a, w, t| a * w * (w * t).cos());
+            position.push(sum(|a, w, t| a * (w * t).sin()) + 1e-7 * (1e3 * t * t).sin());
+            force.push(
+                0.5 * sum(|a, w, t| -a * w * w * (w * t).sin()) + friction(v) + 0.02 * (7e3 * t * t).sin(),
+            );
+        }
+        let channels = Channels { dt: DT, position, force, ..Channels::default() };
+        let design = DesignMatrix::new(&[channels], 50.0, Reversals::default(), false).unwrap();
+        let baseline = Hypothesis::new(&design, Vec::new()).unwrap();
+        let places: Vec<f64> = (0..15).map(|k| 0.0225 * f64::from(k - 7)).collect();
+        let form =
+            FreeForm::curve(Coordinate::Velocity, Factor::One, Knots::new(&places).unwrap(), &[0.0; 15])
+                .unwrap();
+        let all = Arc::new(design.free_columns(&form));
+        let term = Directions::new(&Basis::of(&design.baseline), form, all).unwrap().term(15);
+        let (plain, beside) = (baseline.fit.clone(), joint(&design, &baseline, &[term]).unwrap());
+        let of = |c: &[f64]| (design.physics(c)[3], design.physics(c)[4]);
+        println!("alone {:.2?}, beside a curve {:.2?}", of(&plain.coefficients), of(&beside.coefficients));
+        let (forward, backward) = of(&beside.coefficients);
+        assert!((forward - 4.0).abs() < 0.3 && (backward - 4.0).abs() < 0.3);
+        assert!(beside.heldout_sum() < 0.2 * plain.heldout_sum());
+    }
+}
