@@ -113,13 +113,19 @@ impl Step {
     }
 }
 
+/// A series without most of what its single samples have of noise: nothing is filtered here, and an acceleration has much.
+fn quiet(series: &[f64], i: usize) -> f64 {
+    let (before, after) = (i.saturating_sub(1), (i + 1).min(series.len() - 1));
+    0.25 * (series[before] + 2.0 * series[i] + series[after])
+}
+
 /// Force beyond what sliding explains, against the motion, at every sample used. What sliding explains is fitted to the
 /// samples faster than `slow`, generously: inertia, friction of either direction, drag, springs, friction along the
 /// stroke.
 fn excess(used: &[(usize, &Track)], slow: f64) -> Option<Vec<f64>> {
     let row = |i: usize, t: &Track| -> [f64; COLUMNS] {
         let (x, v, s) = (t.x[i], t.v[i], t.sign[i]);
-        [t.a[i], s, 1.0, v, s * v, v * v.abs(), v * v, x, x * x, x * x * x, s * x, s * x * x]
+        [quiet(&t.a, i), s, 1.0, v, s * v, v * v.abs(), v * v, x, x * x, x * x * x, s * x, s * x * x]
     };
     let mut scale = [1e-300_f64; COLUMNS];
     for (i, t) in used {
