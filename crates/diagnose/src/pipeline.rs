@@ -39,8 +39,7 @@ use friction::Dimension;
 use friction::effects::{Describe, Parameter, Unnamed};
 use friction::parameters::{DELAY, DELTA_V};
 use signals::{
-    Channels, FaultKind, Noise, Preparation, Recording, RecordingFault, derived_noise, four_point_difference,
-    implausible_mass,
+    Channels, FaultKind, Noise, Preparation, Recording, RecordingFault, derived_noise, implausible_mass,
 };
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -571,8 +570,7 @@ impl Run<'_> {
         let mut plant = Plant { mass, coulomb: [c_p, c_n], viscous: [b_p, b_n], ..Plant::default() };
         let delay =
             if self.design().delay { found.fit.coefficients[self.design().present.len()] } else { 0.0 };
-        let late =
-            |t: &Track| four_point_difference(&t.f, t.raw.dt).iter().map(|rate| -delay * rate).collect();
+        let late = |t: &Track| t.late().iter().map(|late| delay * late).collect();
         plant.sensors = self.design().tracks.iter().map(late).collect();
         plant.free = found.free.iter().map(|t| t.form).collect();
         for (i, atom) in found.atoms.iter().enumerate() {

@@ -20,8 +20,15 @@ const SHORT: f64 = 0.25;
 pub struct Event {
     /// Root mean square of the error of the worst block, in the unit of force.
     pub rms: f64,
-    /// From when to when, s, and the share of the squared error, of each part.
-    pub parts: Vec<((f64, f64), f64)>,
+    pub parts: Vec<Part>,
+}
+
+/// One of them.
+pub struct Part {
+    /// From when to when, s.
+    pub between: (f64, f64),
+    /// Its share of the squared error.
+    pub share: f64,
 }
 
 /// The parts of the recording in which `found` leaves far more than elsewhere, if they are few.
@@ -34,12 +41,12 @@ pub fn event(search: &Search, found: &Hypothesis) -> Option<Event> {
     let parts = worst_parts(&errors, design.rms(search.floor))?;
     let times = row_times(design);
     let all: f64 = squared.iter().sum();
-    let told = |part: RangeInclusive<usize>| {
-        let between = (times[blocks.rows(*part.start()).start], times[blocks.rows(*part.end()).end - 1]);
-        (between, squared[part].iter().sum::<f64>() / all)
+    let part = |part: RangeInclusive<usize>| Part {
+        between: (times[blocks.rows(*part.start()).start], times[blocks.rows(*part.end()).end - 1]),
+        share: squared[part].iter().sum::<f64>() / all,
     };
-    let rms = parts.iter().flat_map(|part| &errors[part.clone()]).copied().fold(0.0, f64::max);
-    Some(Event { rms, parts: parts.into_iter().map(told).collect() })
+    let rms = errors.iter().copied().fold(0.0, f64::max);
+    Some(Event { rms, parts: parts.into_iter().map(part).collect() })
 }
 
 /// Neighbouring blocks with a large error, if the largest is far above the floor and above half of the others, and they are few.
@@ -48,16 +55,9 @@ fn worst_parts(errors: &[f64], floor: f64) -> Option<Vec<RangeInclusive<usize>>>
     if errors.iter().copied().fold(0.0, f64::max) <= RARE * usual {
         return None;
     }
-    let mut parts: Vec<RangeInclusive<usize>> = Vec::new();
-    let mut large = 0;
-    for k in (0..errors.len()).filter(|k| errors[*k] > NEAR * usual) {
-        large += 1;
-        match parts.last_mut() {
-            Some(part) if *part.end() + 1 == k => *part = *part.start()..=k,
-            _ => parts.push(k..=k),
-        }
-    }
-    let rare = parts.len() <= FEW && large as f64 <= SHORT * errors.len() as f64;
+    let large: Vec<usize> = (0..errors.len()).filter(|k| errors[*k] > NEAR * usual).collect();
+    let parts: Vec<_> = large.chunk_by(|a, b| a + 1 == *b).map(|p| p[0]..=p[p.len() - 1]).collect();
+    let rare = parts.len() <= FEW && large.len() as f64 <= SHORT * errors.len() as f64;
     rare.then_some(parts)
 }
 

@@ -1,6 +1,6 @@
 //! What the motion does not explain: errors that follow a further column of the recording, or nothing in it.
 
-use crate::findings::event::{Event, event};
+use crate::findings::event::{Event, Part, event};
 use crate::findings::words::short;
 use crate::library::term::TermKind;
 use crate::result::{Location, Missing};
@@ -36,12 +36,10 @@ pub fn elsewhere(
     }
     let (size, when) = match &event {
         Some(Event { rms, parts }) => {
-            let part =
-                |((from, to), _): &((f64, f64), f64)| format!("from {} to {} s", short(*from), short(*to));
-            (
-                *rms,
-                format!(" {} and small elsewhere", parts.iter().map(part).collect::<Vec<_>>().join(" and ")),
-            )
+            let part = |Part { between: (from, to), .. }: &Part| {
+                format!(" from {} to {} s and", short(*from), short(*to))
+            };
+            (*rms, parts.iter().map(part).collect::<String>() + " small elsewhere")
         }
         None => (rms, String::new()),
     };
@@ -68,7 +66,7 @@ pub fn elsewhere(
     };
     // p is of means over coordinates; an event is far beyond what noise does in any block
     let p = if event.is_some() { p.min(LEVEL) } else { p };
-    let location = |((from, to), share): ((f64, f64), f64)| Location {
+    let location = |Part { between: (from, to), share }| Location {
         coordinate: "time".into(),
         from,
         to,

@@ -22,8 +22,8 @@ const OF_GAIN: f64 = 0.005;
 /// Most free directions of a form that takes the place of several names because it is one: a finer curve follows any of them.
 const COARSE: usize = 22;
 
-/// Numbers that every curve has at least: names of as few are no longer way to say it.
-const LEAST: usize = 3;
+/// Most numbers of names that a curve does not take the place of because it is one: it needs as many itself.
+const SHORT: usize = 3;
 
 /// Names and forms beyond which a simpler description is looked for over a derived acceleration, too.
 const MANY: usize = 2;
@@ -61,7 +61,7 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
         let (kept, alone) = other;
         let (free, count) = (alone.fit.heldout_sum(), kept.atoms.len() + alone.terms.len());
         let coarse = alone.terms.iter().all(|t| t.freedom <= COARSE);
-        let fewer = count < names && numbers > LEAST && coarse && free < as_good;
+        let fewer = count < names && numbers > SHORT && coarse && free < as_good;
         let as_many = count == names && is_better(search, &described.fit, &alone.fit);
         let gains = || search.gains(&described.fit, &alone.fit)[0] > 0.0;
         !alone.terms.is_empty() && (fewer || as_many || gains())

@@ -6,7 +6,7 @@ use crate::regression::linear::gram;
 use friction::{FreeForm, FreeFormState};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use signals::{Basis, dot};
+use signals::{Basis, dot, subtract_scaled};
 use std::sync::{Arc, OnceLock};
 
 /// Smallest share of the strongest direction from which on a direction of the values is determined.
@@ -81,16 +81,17 @@ pub struct Directions {
     whole: f64,
     /// The smoothest first.
     smooth: Vec<Direction>,
-    /// Values that are no part of any direction.
-    own: Vec<Own>,
     /// Their columns, once a smoothing spline has asked for them.
     columns: OnceLock<Shared>,
+    /// Straight lines that a form which is no smoothing spline leaves to the basis.
+    lines: Vec<Line>,
 }
 
-/// A straight line whose column the basis holds, as over the velocity, and the share of each value in the slope that is its.
-struct Own {
+/// A straight line whose column is in the span of the basis, as over the velocity.
+struct Line {
     values: Vec<f64>,
-    share: Vec<f64>,
+    /// Weight of each value of a form in its slope.
+    weights: Vec<f64>,
 }
 
 /// A direction of the values, of length one.
@@ -113,17 +114,16 @@ impl Directions {
         let whole = all.iter().map(|c| dot(c, c)).fold(0.0, f64::max);
         let second = form.across.map_or(1, |(_, knots)| knots.places().len());
         let smooth = determined(smoothest(&gram, (all.len() / second, second))?, whole);
-        let own = own(&form, &all, &rest);
-        (!smooth.is_empty()).then(|| Self { form, all, gram, whole, smooth, own, columns: OnceLock::new() })
+        let lines = if is_spline(&form) { Vec::new() } else { lines(form.knots.places(), &all, &rest) };
+        (!smooth.is_empty()).then(|| Self { form, all, gram, whole, smooth, columns: OnceLock::new(), lines })
     }
 
-    /// The values of a direction without what the basis holds of them: that keeps what it has without the form, and goes on beyond
-    /// the values that were there, where the form levels off.
-    fn apart(&self, direction: &Direction) -> Vec<f64> {
+    /// The values of a direction without their slope. The basis keeps it, and goes on beyond the knots, where the form is level.
+    fn without_slope(&self, direction: &Direction) -> Vec<f64> {
         let mut values = direction.values.clone();
-        for Own { values: held, share } in &self.own {
-            let of = dot(&values, share);
-            values.iter_mut().zip(held).for_each(|(v, h)| *v -= of * h);
+        for line in &self.lines {
+            let slope = dot(&values, &line.weights);
+            subtract_scaled(&mut values, slope, &line.values);
         }
         values
     }
@@ -132,22 +132,27 @@ impl Directions {
     /// of a part of them only. Others are cut after their smoothest directions, or have all of their values free.
     pub fn term(&self, freedom: usize) -> FreeTerm {
         let Self { form, all, smooth, .. } = self;
-        let columns = |of: &[Direction]| Arc::new(of.iter().map(|d| combine(all, &self.apart(d))).collect());
-        let term = |of: &[Direction], columns: Shared, penalties: Vec<f64>| FreeTerm {
+        let columns = |modes: &[Vec<f64>]| Arc::new(modes.iter().map(|m| combine(all, m)).collect());
+        let term = |modes: Vec<Vec<f64>>, columns: Shared, penalties: Vec<f64>| FreeTerm {
             form: *form,
             all: all.clone(),
             columns,
             penalties,
-            modes: of.iter().map(|d| self.apart(d)).collect(),
+            modes,
             freedom,
             std: vec![0.0; all.len()],
         };
-        let cut = |of: &[Direction]| term(of, columns(of), vec![0.0; of.len()]);
-        if form.across.is_some() || !is_cut(form.over) {
+        let cut = |of: &[Direction]| {
+            let modes: Vec<Vec<f64>> = of.iter().map(|d| self.without_slope(d)).collect();
+            let columns = columns(&modes);
+            term(modes, columns, vec![0.0; of.len()])
+        };
+        if is_spline(form) {
             let half = smooth.get(freedom).map_or(0.0, |d| d.smoothness);
             let penalty = |d: &Direction| if half > 0.0 { d.power * half / d.smoothness } else { 0.0 };
-            let shared = self.columns.get_or_init(|| columns(smooth)).clone();
-            term(smooth, shared, smooth.iter().map(penalty).collect())
+            let modes: Vec<Vec<f64>> = smooth.iter().map(|d| d.values.clone()).collect();
+            let shared = self.columns.get_or_init(|| columns(&modes)).clone();
+            term(modes, shared, smooth.iter().map(penalty).collect())
         } else if freedom < all.len() {
             cut(&smooth[..freedom.min(smooth.len())])
         } else {
@@ -156,16 +161,17 @@ impl Directions {
     }
 }
 
-/// Straight lines of a curve whose column the basis holds, or the half of one on either side of zero; `rest` is what each column
-/// of the form has outside. Each value's share is that in the slope over the outer half of the values.
-fn own(form: &FreeForm<f64>, all: &[Vec<f64>], rest: &[Vec<f64>]) -> Vec<Own> {
-    if form.across.is_some() || !is_cut(form.over) {
-        return Vec::new();
-    }
-    let places = form.knots.places();
+/// Whether a form is a smoothing spline: a map and most curves are.
+fn is_spline(form: &FreeForm<f64>) -> bool {
+    form.across.is_some() || !is_cut(form.over)
+}
+
+/// The straight line over a curve's knots, or its halves on either side of zero, as far as the basis holds their columns; `rest` is
+/// what is outside the basis of each column in `all`. The slope is that over the outer half of the knots.
+fn lines(places: &[f64], all: &[Vec<f64>], rest: &[Vec<f64>]) -> Vec<Line> {
     let far = places.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-    let own = |line: fn(f64) -> f64| {
-        let values: Vec<f64> = places.iter().map(|p| line(*p)).collect();
+    let line = |shape: fn(f64) -> f64| {
+        let values: Vec<f64> = places.iter().map(|p| shape(*p)).collect();
         let (column, outside) = (combine(all, &values), combine(rest, &values));
         let power = dot(&column, &column);
         if !(dot(&outside, &outside) <= OUTSIDE * power && power > 0.0) {
@@ -176,11 +182,11 @@ fn own(form: &FreeForm<f64>, all: &[Vec<f64>], rest: &[Vec<f64>]) -> Vec<Own> {
         let mean = values.iter().filter(|v| outer(v)).sum::<f64>() / count;
         let from_mean = |v: &f64| if outer(v) { v - mean } else { 0.0 };
         let spread: f64 = values.iter().map(|v| from_mean(v).powi(2)).sum();
-        let share = values.iter().map(|v| from_mean(v) / spread).collect();
-        (spread > 0.0).then_some(Own { values, share })
+        let weights = values.iter().map(|v| from_mean(v) / spread).collect();
+        (spread > 0.0).then_some(Line { values, weights })
     };
-    match (own(|p| p.max(0.0)), own(|p| p.min(0.0))) {
-        (None, None) => own(|p| p).into_iter().collect(),
+    match (line(|p| p.max(0.0)), line(|p| p.min(0.0))) {
+        (None, None) => line(|p| p).into_iter().collect(),
         (forward, backward) => forward.into_iter().chain(backward).collect(),
     }
 }

@@ -14,7 +14,7 @@ use friction::effects::{EffectKind, MAX_GAINS, MAX_MEMORY, MAX_SHAPE, SeriesKind
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use signals::{Basis, Channels, dot, four_point_difference, noise_std};
+use signals::{Basis, Channels, dot, noise_std};
 use std::sync::Arc;
 
 /// Series that go through the filter together.
@@ -62,8 +62,8 @@ pub struct DesignMatrix {
     pub present: Vec<usize>,
     /// The delay of the force is the column of the baseline behind them.
     pub delay: bool,
-    /// Direction of the mass's column outside of the others of the baseline, and the share of its square there that is noise.
-    mass: (Vec<f64>, f64),
+    /// Direction of the mass's column outside the rest of the baseline, times the root of the share of its square there that is noise.
+    mass_noise: Vec<f64>,
     /// Columns computed lately.
     kept: Kept,
 }
@@ -318,14 +318,13 @@ impl DesignMatrix {
         if share.iter().filter(|s| **s > 0.5).count() < FEWEST_ROWS {
             return None;
         }
-        let (y, baseline, kept) = (Vec::new(), Vec::new(), Kept::default());
-        let mut design =
-            Self { tracks, share, blocks, y, baseline, present, delay, mass: Default::default(), kept };
+        let (y, baseline, mass_noise, kept) = (Vec::new(), Vec::new(), Vec::new(), Kept::default());
+        let mut design = Self { tracks, share, blocks, y, baseline, present, delay, mass_noise, kept };
         design.fill();
         let first = fit(&design.baseline, &design.y, &design.blocks, 4);
         if let Some(first) = &first {
             design.measure_noise(cutoff, &first.coefficients);
-            design.measure_mass();
+            design.measure_mass_noise();
             let second = fit(&design.baseline, &design.y, &design.blocks, 4);
             let coefficients = &second.as_ref().unwrap_or(first).coefficients;
             design.blocks.mass = coefficients[0];
@@ -345,21 +344,20 @@ impl DesignMatrix {
         self.blocks.noise = (0..self.blocks.len()).map(noise).collect();
     }
 
-    fn measure_mass(&mut self) {
+    fn measure_mass_noise(&mut self) {
         let Some((mass, others)) = self.baseline.split_first() else { return };
-        let mut outside = Basis::of(others).project_out(mass);
+        let outside = Basis::of(others).project_out(mass);
         let power = dot(&outside, &outside);
         if power > 0.0 {
-            outside.iter_mut().for_each(|x| *x /= power.sqrt());
-            self.mass = (outside, (self.blocks.noise.iter().sum::<f64>() / power).min(1.0));
+            let share = (self.blocks.noise.iter().sum::<f64>() / power).min(1.0);
+            self.mass_noise = outside.iter().map(|x| x * (share / power).sqrt()).collect();
         }
     }
 
-    /// What the acceleration's noise leaves of the square of a column: a spring on one sine is the mass, and is not seen beside it
-    /// because the mass is measured with noise.
+    /// Squared length that a column keeps outside the baseline only because the acceleration is noisy. On a single sine a spring is
+    /// collinear with the mass, and all that is left of it is this.
     pub fn noise_beside(&self, column: &[f64]) -> f64 {
-        let (direction, noise) = &self.mass;
-        if direction.is_empty() { 0.0 } else { dot(direction, column).powi(2) * noise }
+        dot(&self.mass_noise, column).powi(2)
     }
 
     fn fill(&mut self) {
@@ -377,11 +375,7 @@ impl DesignMatrix {
             })
             .collect();
         if self.delay {
-            // below a sample the first term of the shift is all there is of it
-            let late = self.rows(|t| {
-                t.pass(&four_point_difference(&t.f, t.raw.dt).iter().map(|r| -r).collect::<Vec<_>>())
-            });
-            self.baseline.push(late);
+            self.baseline.push(self.rows(|t| t.pass(&t.late())));
         }
     }
 
@@ -424,7 +418,7 @@ impl DesignMatrix {
 
     /// The same with nothing set aside, for columns of terms only.
     pub fn unmasked(&self) -> Self {
-        let mut out = Self { y: Vec::new(), baseline: Vec::new(), mass: Default::default(), ..self.clone() };
+        let mut out = Self { y: Vec::new(), baseline: Vec::new(), mass_noise: Vec::new(), ..self.clone() };
         out.tracks.iter_mut().for_each(|t| t.mask.fill(1.0));
         out
     }

@@ -101,8 +101,8 @@ impl Track {
             Some(_) => Gaussian::new(sharper, dt).apply(series),
             None => LowPass::new(sharper, dt).apply(series),
         };
-        // A speed of two points is quieter, and not less true at the frequencies at which friction depends on it. Of an acceleration they
-        // would take a fifth near the cut-off; of a body that only advances four points would overshoot beside a step of the speed.
+        // The speed stays a difference of two points, which is quieter. An acceleration of two points loses a fifth at an eighth of the
+        // rate. One of four overshoots beside a step of the speed, which a body that only advances must not.
         let rate = |series: &[f64]| match reversals.one_way {
             Some(_) => central_difference(series, dt),
             None => four_point_difference(series, dt),
@@ -310,6 +310,11 @@ impl Track {
                 column.push(s * share);
             }
         }
+    }
+
+    /// What a delay of the force adds to it per second. Below a sample the first term of the shift is all there is of it.
+    pub fn late(&self) -> Vec<f64> {
+        four_point_difference(&self.f, self.raw.dt).iter().map(|rate| -rate).collect()
     }
 
     /// Unfiltered columns of the baseline: mass, Coulomb and viscous force for either direction.
