@@ -135,7 +135,7 @@ fn conviction(page: &mut Page, d: &Diagnosis) {
     });
     let told = d.missing.first().is_some_and(|m| m.equation.is_empty());
     let (hero, rest) = match d.location.first().filter(|l| told && l.coordinate == "time") {
-        Some(when) => (error_when(when, d), curves.as_slice()),
+        Some(_) => (error_when(d), curves.as_slice()),
         None => (residual_over(first, d, 340).caption(hero_caption(first, d)), rest),
     };
     page.chart(&hero);
@@ -172,14 +172,16 @@ fn hero_caption(curve: &Curve, d: &Diagnosis) -> String {
     text
 }
 
-/// The error over the time, with what happened once.
-fn error_when(when: &Location, d: &Diagnosis) -> Chart {
+/// The error over the time, with what happened once or a few times.
+fn error_when(d: &Diagnosis) -> Chart {
     let (error, starts) = error_over_time(d);
+    let when: Vec<&Location> = d.location.iter().filter(|l| l.coordinate == "time").collect();
     // recordings laid end to end have another time
-    let regions = if starts.is_empty() { vec![[when.from, when.to]] } else { Vec::new() };
+    let regions = if starts.is_empty() { when.iter().map(|l| [l.from, l.to]).collect() } else { Vec::new() };
+    let shaded = if when.len() == 1 { "stretch holds" } else { "stretches hold" };
     error.height(340).regions("when it happened", regions).caption(format!(
-        "The shaded stretch holds {} of the squared error.",
-        percent(when.share_of_mismatch)
+        "The shaded {shaded} {} of the squared error.",
+        percent(when.iter().map(|l| l.share_of_mismatch).sum())
     ))
 }
 

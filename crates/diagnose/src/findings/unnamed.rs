@@ -74,7 +74,10 @@ pub fn elsewhere(
         share_of_mismatch: share,
         p,
     };
-    let locations = event.into_iter().flat_map(|event| event.parts).map(location).collect();
+    let mut locations: Vec<Location> =
+        event.into_iter().flat_map(|event| event.parts).map(location).collect();
+    // where most of it is stands first
+    locations.sort_by(|a, b| b.share_of_mismatch.total_cmp(&a.share_of_mismatch));
     let missing = Missing {
         effect: Unnamed::ABOUT.id.into(),
         says: format!("the error is {:.0} times the noise floor{when}, and {why}", size / floor),
