@@ -361,7 +361,7 @@ impl DesignMatrix {
     }
 
     fn fill(&mut self) {
-        self.y = self.rows(|t| t.pass(&t.raw.force));
+        self.y = self.rows(|t| t.pass(&t.f));
         let per_track: Vec<[Vec<f64>; 5]> = self.tracks.iter().map(Track::baseline).collect();
         self.baseline = self
             .present
@@ -428,7 +428,7 @@ impl DesignMatrix {
         self.tracks
             .iter()
             .map(|t| {
-                let mut left = t.raw.force.clone();
+                let mut left = t.f.clone();
                 for (series, c) in t.baseline().iter().zip(baseline) {
                     for (l, s) in left.iter_mut().zip(series) {
                         *l -= c * s;

@@ -2,5 +2,6 @@
 
 pub mod drift;
 pub mod intake;
+pub mod jumps;
 pub mod static_branch;
 pub mod track;

@@ -10,6 +10,7 @@
 //! advances never stands still behind a filter that does not overshoot: there it is a [`Gaussian`], as a dip before each step
 //! of the speed would be a fall of orders of magnitude for a law of its logarithm.
 
+use crate::preparation::jumps::unresolved;
 use signals::{
     Channels, Gaussian, LowPass, Noise, SHARPER, SMEARED, central_difference, derived_noise, differentiated,
     four_point_difference, noise_std, quantile, soften,
@@ -19,6 +20,9 @@ use signals::{
 /// [`SMEARED`]. What is smeared farther than that the filter takes out: a third as sharp, it leaves a hundredth of it. A
 /// velocity that a drive measures is late and held where pulses are rare, and no filter takes that out.
 const DERIVED: f64 = 0.25;
+
+/// Speed beside a stop that is over before it shows in an average, in guards.
+const QUICK: f64 = 4.0;
 
 /// Samples that the speed of a body that gets going is followed for at least.
 const CURVE: usize = 4;
@@ -67,6 +71,8 @@ pub struct Track {
     pub distance: Vec<f64>,
     /// Time since the last reversal, s.
     pub since: Vec<f64>,
+    /// Samples beside blows that were over between two of them, which are set aside.
+    pub blows: Vec<usize>,
     /// Samples averaged into one row.
     pub stride: usize,
     /// Noise of the channels.
@@ -131,6 +137,11 @@ impl Track {
         let settle = filter.settle().min(n / 4);
         let stride = stride(dt, cutoff);
         let normal = raw.normal.as_ref().map(|c| filter.apply(c));
+        // a body that only advances is given steps of the speed to see what follows them
+        let blows = match reversals.one_way {
+            Some(_) => Vec::new(),
+            None => unresolved(&raw.force, &raw.position, &a, dt, cutoff),
+        };
         let mut track = Self {
             filter,
             x,
@@ -143,6 +154,7 @@ impl Track {
             mask: vec![1.0; n],
             distance: vec![0.0; n],
             since: vec![0.0; n],
+            blows,
             stride,
             noise,
             reversals,
@@ -150,6 +162,10 @@ impl Track {
         };
         track.find_directions(sharper);
         let beside = samples(track.beside(), cutoff, dt);
+        let around = samples(SMEARED, sharper, dt);
+        for &i in &track.blows {
+            track.mask[i.saturating_sub(around)..(i + around + 1).min(n)].fill(0.0);
+        }
         soften(&mut track.mask, beside);
         let mut ends = vec![1.0; n];
         ends[..settle].fill(0.0);
@@ -183,7 +199,8 @@ impl Track {
         let dt = self.raw.dt;
         let guard = self.guard();
         let ring = samples(self.beside(), sharper, dt);
-        let mean = moving_mean(&self.v, samples(SMEARED, sharper, dt));
+        let window = samples(SMEARED, sharper, dt);
+        let mean = moving_mean(&self.v, window);
         let mut unknown = Vec::new();
         let mut i = 0;
         let mut direction = self.v.iter().find(|v| v.abs() >= guard).map_or(1.0, |v| v.signum());
@@ -205,7 +222,13 @@ impl Track {
             }
             let after = if i < n { self.v[i].signum() } else { direction };
             // Averaged, the noise of a body at rest stays below half the guard, and what slides slowly does not.
-            let slowest = mean[start..i].iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
+            // A stop between quick motions is shorter than what is averaged, and shows in the samples themselves.
+            let quick =
+                |at: Option<usize>| at.and_then(|at| self.v.get(at)).is_some_and(|v| v.abs() > QUICK * guard);
+            let between =
+                quick(start.checked_sub(window)) && quick(Some(i + window)) && i - start <= 2 * window;
+            let seen = if between { &self.v[start..i] } else { &mean[start..i] };
+            let slowest = seen.iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
             // The noise of a body that is held crosses zero long before it gets going. One that passes crossed where its sign changed.
             let begun = if after != direction { self.begins(start..i, guard) } else { None };
             let change = begun

@@ -45,6 +45,8 @@ pub enum FaultKind {
     QuickReversals,
     /// Samples far from all their neighbours.
     Outliers,
+    /// The force, or the speed, jumps between two samples.
+    UnresolvedBlow,
     /// Numbers that no bench of this kind gives: another unit than the header says, or the wrong sign.
     Implausible,
 }

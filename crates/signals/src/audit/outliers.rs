@@ -8,6 +8,8 @@ use crate::noise::{noise_variance, quantum};
 const FAR: f64 = 12.0;
 /// The same, as a share of the channel's spread: what is smaller does no harm and may be the body's own.
 const LARGE: f64 = 0.3;
+/// Distance of an outlier from its neighbour on one side over that on the other.
+const ALIKE: f64 = 0.5;
 
 /// Indices of the outliers of a channel.
 ///
@@ -43,16 +45,29 @@ fn outliers(series: &[f64]) -> Vec<usize> {
     let is_far = |i: usize| distance.get(i).is_some_and(|d| d.abs() > far);
     (0..series.len())
         .filter(|&i| {
-            let run = 1
-                + (1..3).take_while(|k| is_far(i + k)).count()
-                + (1..3).take_while(|k| i >= *k && is_far(i - k)).count();
-            is_far(i) && run <= 2
+            let (after, before) = (
+                (1..3).take_while(|k| is_far(i + k)).count(),
+                (1..3).take_while(|k| i >= *k && is_far(i - k)).count(),
+            );
+            let to = |neighbour: Option<&f64>| neighbour.map(|x| (series[i] - x).abs());
+            let sides = to(i.checked_sub(before + 1).and_then(|j| series.get(j)));
+            is_far(i) && before + after <= 1 && stands_out(sides, to(series.get(i + after + 1)))
         })
         .collect()
 }
 
+/// Whether a sample is about as far from what was before it as from what came after, where both are there. A blow that dies out
+/// is not: its first sample is far from rest, and much less from the next one.
+fn stands_out(before: Option<f64>, after: Option<f64>) -> bool {
+    before.zip(after).is_none_or(|(before, after)| before.min(after) > ALIKE * before.max(after))
+}
+
 /// Standard deviations by which a spike must contradict the position.
 const CONTRADICTS: f64 = 4.0;
+
+/// Changes of the velocity that are usual, in percent of all, and how many of those a blow makes.
+const USUAL: usize = 99;
+const BLOW: f64 = 1.5;
 
 /// Samples of the acceleration that no body had: friction that lets go or catches does accelerate one for a
 /// millisecond, and then the velocity has changed by as much.
@@ -72,6 +87,30 @@ fn unmoved(recording: &Recording, acceleration: &[f64]) -> Vec<usize> {
             !((change - expected).abs() <= CONTRADICTS * deviation)
         })
         .collect()
+}
+
+/// Samples of the force that moved nothing: a blow between two samples shows in one of them, and then the velocity has
+/// changed, the same way and by more than it does elsewhere.
+fn without_blow(recording: &Recording, force: &[f64]) -> Vec<usize> {
+    let found = outliers(force);
+    if found.is_empty() {
+        return found;
+    }
+    let (time, position) = (&recording.time, &recording.position);
+    let change = |i: usize| -> Option<f64> {
+        let before = i.checked_sub(4)?;
+        let dt = (time.get(i + 4)? - time.get(before)?) / 8.0;
+        Some((position.get(i + 4)? - position[i + 1] - position[i - 1] + position[before]) / (3.0 * dt))
+    };
+    let mut usual: Vec<f64> = (0..position.len()).filter_map(change).map(f64::abs).collect();
+    usual.retain(|c| c.is_finite());
+    usual.sort_by(f64::total_cmp);
+    let usual = usual.get(usual.len() * USUAL / 100).copied().unwrap_or(0.0);
+    let moves = |i: &usize| {
+        let way = |change: f64| change * (2.0 * force[*i] - force[i - 1] - force[i + 1]).signum();
+        change(*i).is_some_and(|c| way(c) > BLOW * usual)
+    };
+    found.into_iter().filter(|i| !moves(i)).collect()
 }
 
 /// Samples at the beginning of a velocity column that an estimator without history gave: exactly 0 while the position moves
@@ -98,6 +137,9 @@ fn without_history(recording: &Recording, velocity: &[f64]) -> Vec<usize> {
 fn of_column(recording: &Recording, name: &str, values: &[f64]) -> Vec<usize> {
     if name.starts_with("acceleration") {
         return unmoved(recording, values);
+    }
+    if name.starts_with("force") || name.starts_with("torque") {
+        return without_blow(recording, values);
     }
     let mut found = outliers(values);
     if name.starts_with("velocity") {
