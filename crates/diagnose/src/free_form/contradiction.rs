@@ -63,7 +63,7 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
         let coarse = alone.terms.iter().all(|t| t.freedom <= COARSE);
         let fewer = count < names && numbers > SHORT && coarse && free < as_good;
         let as_many = count == names && is_better(search, &described.fit, &alone.fit);
-        let gains = || search.gains(&described.fit, &alone.fit)[0] > 0.0;
+        let gains = || search.gains_surely(&described.fit, &alone.fit);
         !alone.terms.is_empty() && (fewer || as_many || gains())
     };
     let contradiction = |library: &Library, kept: &Hypothesis| {
@@ -108,7 +108,7 @@ fn restored(search: &Search, found: &Hypothesis, kept: &Hypothesis, alone: Descr
             let atoms = now.found.atoms.iter().chain([&left[i]]).cloned().collect();
             let with = Hypothesis::new(search.design, atoms)?;
             let fitted = now.described.without(search, &with, Some(c))?;
-            let worse = search.gains(&fitted.fit, &now.described.fit)[0] > 0.0
+            let worse = search.gains_surely(&fitted.fit, &now.described.fit)
                 || fitted.fit.heldout_sum() > LEAVES * search.floor
                     && is_better(search, &fitted.fit, &now.described.fit);
             (!worse && search.physical(&with)).then(|| (fitted.fit.heldout_sum(), i, with, fitted))
@@ -132,7 +132,7 @@ fn needless(search: &Search, mut now: Resolved) -> Resolved {
             atoms.remove(i);
             let fewer = Hypothesis::new(search.design, atoms)?;
             let fitted = now.described.without(search, &fewer, None)?;
-            let gains = |without: &Fit, with: &Fit| search.gains(without, with)[0] > 0.0;
+            let gains = |without: &Fit, with: &Fit| search.gains_surely(without, with);
             let needed = gains(&fitted.fit, &now.described.fit) && gains(&fewer.fit, &now.found.fit);
             (!needed).then(|| (fitted.fit.heldout_sum(), i, fewer, fitted))
         };

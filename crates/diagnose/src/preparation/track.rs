@@ -21,8 +21,12 @@ use signals::{
 /// velocity that a drive measures is late and held where pulses are rare, and no filter takes that out.
 const DERIVED: f64 = 0.25;
 
-/// Speed beside a stop that is over before it shows in an average, in guards.
+/// Least speed beside a stop that is over before it shows in an average, and largest mean speed within it, in guards.
 const QUICK: f64 = 4.0;
+const STOPPED: f64 = 0.2;
+
+/// Share of the samples that blows may set aside.
+const MOST_BLOWS: f64 = 0.1;
 
 /// Samples that the speed of a body that gets going is followed for at least.
 const CURVE: usize = 4;
@@ -162,10 +166,7 @@ impl Track {
         };
         track.find_directions(sharper);
         let beside = samples(track.beside(), cutoff, dt);
-        let around = samples(SMEARED, sharper, dt);
-        for &i in &track.blows {
-            track.mask[i.saturating_sub(around)..(i + around + 1).min(n)].fill(0.0);
-        }
+        track.set_blows_aside(samples(SMEARED, sharper, dt));
         soften(&mut track.mask, beside);
         let mut ends = vec![1.0; n];
         ends[..settle].fill(0.0);
@@ -176,6 +177,23 @@ impl Track {
         }
         track.measure_reversals();
         track
+    }
+
+    /// Sets what is `around` each blow aside, in samples. Where that is much of the motion, all of it is sampled as coarsely, and
+    /// the noise floor has it.
+    fn set_blows_aside(&mut self, around: usize) {
+        let n = self.len();
+        let mut aside = vec![1.0; n];
+        for &i in &self.blows {
+            aside[i.saturating_sub(around)..(i + around + 1).min(n)].fill(0.0);
+        }
+        if aside.iter().sum::<f64>() < (1.0 - MOST_BLOWS) * n as f64 {
+            self.blows.clear();
+            return;
+        }
+        for (mask, aside) in self.mask.iter_mut().zip(aside) {
+            *mask = mask.min(aside);
+        }
     }
 
     /// Velocity below which the direction is not known.
@@ -222,13 +240,15 @@ impl Track {
             }
             let after = if i < n { self.v[i].signum() } else { direction };
             // Averaged, the noise of a body at rest stays below half the guard, and what slides slowly does not.
-            // A stop between quick motions is shorter than what is averaged, and shows in the samples themselves.
+            let slowest = mean[start..i].iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
+            // A stop between quick motions is over before it shows in such an average.
             let quick =
                 |at: Option<usize>| at.and_then(|at| self.v.get(at)).is_some_and(|v| v.abs() > QUICK * guard);
-            let between =
-                quick(start.checked_sub(window)) && quick(Some(i + window)) && i - start <= 2 * window;
-            let seen = if between { &self.v[start..i] } else { &mean[start..i] };
-            let slowest = seen.iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
+            let own = self.v[start..i].iter().sum::<f64>().abs() / (i - start) as f64;
+            let stops = i - start <= 2 * window
+                && quick(start.checked_sub(window))
+                && quick(Some(i + window))
+                && own < STOPPED * guard;
             // The noise of a body that is held crosses zero long before it gets going. One that passes crossed where its sign changed.
             let begun = if after != direction { self.begins(start..i, guard) } else { None };
             let change = begun
@@ -241,7 +261,7 @@ impl Track {
                 self.sign[j] = if j < change { direction } else { after };
             }
             // A reversal, a rest, or the static branch. A moment's error at a reversal is twice the Coulomb force for that moment.
-            if after != direction || self.reversals.static_band > 0.0 || slowest < 0.5 * guard {
+            if after != direction || self.reversals.static_band > 0.0 || slowest < 0.5 * guard || stops {
                 unknown.push((start.saturating_sub(ring), (i + ring).min(n)));
             }
             direction = after;

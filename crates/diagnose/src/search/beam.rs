@@ -75,7 +75,7 @@ impl Search<'_> {
         let new: Vec<Atom> = child.atoms.iter().filter(|a| !parent.has(a.term.kind)).cloned().collect();
         child.fit.heldout_sum() < parent.fit.heldout_sum()
             && self.material(parent, child, start)
-            && self.interval(parent, child)[0] > 0.0
+            && self.gains_surely(&parent.fit, &child.fit)
             && (new.is_empty() || self.significance(parent, child, &new) <= LEVEL)
     }
 
@@ -104,7 +104,7 @@ impl Search<'_> {
                 let physical = best.atoms[i].physical(best.coefficients(self.design, i));
                 let stands = value <= LEVEL
                     && physical
-                    && self.interval(without, &best)[0] > 0.0
+                    && self.gains_surely(&without.fit, &best.fit)
                     && self.material(without, &best, start);
                 let gain = without.fit.heldout_sum() - best.fit.heldout_sum();
                 if !stands && worst.is_none_or(|(least, _)| (physical, gain) < least) {

@@ -2,7 +2,7 @@
 
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
-use crate::regression::linear::Fit;
+use crate::regression::linear::{FOLDS, Fit};
 use crate::regression::sign_flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::search::catalogue::Catalogue;
 use crate::search::hypothesis::Hypothesis;
@@ -21,6 +21,15 @@ pub const OUTSIDE: f64 = 0.02;
 const AS_GOOD: f64 = 0.03;
 /// Standard errors by which a mass has to be below zero to be refused.
 const SURELY: f64 = 2.0;
+
+/// Squared error over that of the floor from which on a gain may be plain.
+const PLAIN: f64 = 4.0;
+/// Share of the squared error above the floor that is nearly all of it.
+const NEARLY_ALL: f64 = 0.8;
+/// Share of a gain that other parts of the recording may lose.
+const HARDLY: f64 = 0.03;
+/// Least share of a gain outside the part that gains most.
+const OF_ONE: f64 = 0.2;
 
 /// What `unzip` makes of pairs.
 type Unzipped<A, B> = (Vec<A>, Vec<B>);
@@ -54,7 +63,7 @@ impl Search<'_> {
     /// Whether `rival`, with another term in the place of one of `best`, explains what it does; `without`: neither's.
     pub fn is_as_good(&self, rival: &Hypothesis, best: &Hypothesis, without: Option<&Hypothesis>) -> bool {
         let beyond_best = |h: &Hypothesis| h.fit.heldout_sum() - best.fit.heldout_sum();
-        self.interval(rival, best)[0] <= 0.0
+        !self.gains_surely(&rival.fit, &best.fit)
             || beyond_best(rival) < AS_GOOD * without.map_or(0.0, beyond_best)
     }
 
@@ -105,6 +114,28 @@ impl Search<'_> {
     /// 95 % interval of the held-out gain from `parent` to `child`.
     pub fn interval(&self, parent: &Hypothesis, child: &Hypothesis) -> [f64; 2] {
         self.gains(&parent.fit, &child.fit)
+    }
+
+    /// Whether one fit surely gains over another on blocks that it was not fitted on: the interval of the gain is above zero, or
+    /// the gain is nearly all that there is and comes from several parts. Where few blocks show an effect, as the fast ones show
+    /// inertia, a draw of blocks may hold none of them, and the interval reaches zero however plain the gain is in each.
+    pub fn gains_surely(&self, without: &Fit, with: &Fit) -> bool {
+        self.gains(without, with)[0] > 0.0 || self.explains_several_parts(without, with)
+    }
+
+    fn explains_several_parts(&self, without: &Fit, with: &Fit) -> bool {
+        let (before, after) = (without.heldout_sum(), with.heldout_sum());
+        let blocks: Vec<f64> = without.heldout.iter().zip(&with.heldout).map(|(b, a)| b - a).collect();
+        let parts: Vec<f64> = (0..FOLDS)
+            .map(|fold| blocks[fold * blocks.len() / FOLDS..(fold + 1) * blocks.len() / FOLDS].iter().sum())
+            .collect();
+        let gained: f64 = parts.iter().map(|g| g.max(0.0)).sum();
+        let lost = gained - parts.iter().sum::<f64>();
+        let most = parts.iter().copied().fold(0.0, f64::max);
+        before > PLAIN * self.floor
+            && before - after > NEARLY_ALL * (before - self.floor)
+            && lost < HARDLY * gained
+            && gained - most > OF_ONE * gained
     }
 
     /// 95 % interval of the held-out gain from one fit to another.

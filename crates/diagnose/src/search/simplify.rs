@@ -36,7 +36,7 @@ impl Search<'_> {
                     let needed = self.needed(&h, &best);
                     self.refine_by(h, ROUGH, needed)
                 })
-                .filter(|h| self.physical(h) && self.interval(h, &best)[0] <= 0.0)
+                .filter(|h| self.physical(h) && !self.gains_surely(&h.fit, &best.fit))
                 .collect();
             let size = |h: &Hypothesis| h.atoms[i].columns.len();
             simpler.sort_by(|a, b| {
@@ -172,7 +172,7 @@ impl Search<'_> {
             let rival = self.refine_by(rival, ROUGH, needed);
             let kept = Basis::of(&rival.atoms[group[0]].outside(&basis)).captured(&own);
             let as_good = kept >= COLLINEAR * COLLINEAR * span.power
-                && self.interval(&rival, best)[0] <= 0.0
+                && !self.gains_surely(&rival.fit, &best.fit)
                 && self.physical(&rival);
             if as_good {
                 return Some(rival);

@@ -258,6 +258,22 @@ mod tests {
             of_column(&recording, "acceleration_m_s2", &a)
         };
         assert_eq!((jerk(true), jerk(false)), (vec![], vec![1000]));
+        // a blow dies out, from one sample to the next or not at once
+        let mut blow = clean.clone();
+        blow[500..520].iter_mut().enumerate().for_each(|(k, x)| *x += 30.0 * (-(k as f64) / 4.0).exp());
+        assert!(outliers(&blow).is_empty(), "{:?}", outliers(&blow));
+        // and of a short one the velocity tells, which has changed by it
+        let short = |moves: bool| {
+            let position = (0..2000).map(|i| if moves { 0.02 * f64::from((i - 1000).max(0)) } else { 0.0 });
+            let recording = Recording {
+                time: (0..2000).map(|i| f64::from(i) * 1e-3).collect(),
+                position: position.map(|x| x + 1e-4 * noise()).collect(),
+                ..Recording::default()
+            };
+            let force: Vec<f64> = (0..2000).map(|i| if i == 1000 { 30.0 } else { noise() }).collect();
+            of_column(&recording, "force_n", &force)
+        };
+        assert_eq!((short(true), short(false)), (vec![], vec![1000]));
         // a plateau is something that lasted
         let mut plateau = clean;
         plateau[700..705].fill(40.0);
