@@ -1,5 +1,5 @@
-//! Axes that are driven as drives do it: by steps of the commanded speed, at several speeds one after the other, recorded at
-//! 500 Hz with a position only.
+//! Axes that are driven as drives do it: by steps of the commanded speed, at several speeds one after the other, from place to
+//! place; recorded at 500 Hz with a position only.
 
 use diagnose::{Diagnosis, Options, Verdict, diagnose};
 use rand::{RngExt, SeedableRng};
@@ -67,6 +67,27 @@ fn rounded(t: f64) -> Point {
     (size * (ROUND * sine).asin(), slope * rate, bend * rate * rate + slope * quickens)
 }
 
+/// From place to place along polynomials of the fifth degree, with a rest at each.
+fn moves(random: &mut ChaCha8Rng) -> Vec<Point> {
+    let mut points = Vec::new();
+    let mut from: f64 = 0.0;
+    while points.len() < (SECONDS / DT) as usize {
+        let to: f64 = random.random_range(-0.95..0.95);
+        let way = to - from;
+        let takes = (0.26 + 0.41 * way.abs()) * random.random_range(0.7..1.6);
+        for i in 0..(takes / DT) as usize {
+            let u = i as f64 * DT / takes;
+            let x = from + way * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
+            let v = way / takes * 30.0 * (u * (1.0 - u)).powi(2);
+            points.push((x, v, way / takes.powi(2) * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)));
+        }
+        let rests = (random.random_range(0.15..0.6) / DT) as usize;
+        points.extend(std::iter::repeat_n((to, 0.0, 0.0), rests));
+        from = to;
+    }
+    points
+}
+
 fn load((x, v, a): Point, spring: f64) -> f64 {
     let dry = if v == 0.0 { 0.0 } else { 0.5 * v.signum() };
     INERTIA * a + dry + 0.1 * v + spring * x
@@ -118,7 +139,7 @@ fn steps_of_the_speed_were_a_force_over_position_and_acceleration() {
 
 /// Only the fast part shows it: a draw of blocks may hold none of them, and the interval of the gain reached below zero.
 #[test]
-fn a_lag_that_only_the_fast_strokes_show_was_refused() {
+fn a_delay_that_only_the_fast_strokes_show_was_refused() {
     for seed in draws(2, 8) {
         let mut random = ChaCha8Rng::seed_from_u64(720 + seed);
         let samples = (SECONDS / DT) as usize;
@@ -129,5 +150,37 @@ fn a_lag_that_only_the_fast_strokes_show_was_refused() {
         let lag = &d.missing[0].parameters["tau"];
         println!("{:.3} ± {:.3} ms of 6", 1e3 * lag.value, 1e3 * lag.std);
         assert!((lag.value - 0.006).abs() < 3e-4);
+    }
+}
+
+#[test]
+fn a_load_that_rings_after_each_move_is_compliance() {
+    const RINGS: f64 = TAU * 9.66;
+    const FINE: usize = 50;
+    for seed in draws(2, 8) {
+        let mut random = ChaCha8Rng::seed_from_u64(740 + seed);
+        let points = moves(&mut random);
+        // the load's position and speed, behind a shaft that hardly damps
+        let (mut x, mut v) = (0.0, 0.0);
+        let torque: Vec<f64> = points
+            .windows(2)
+            .map(|pair| {
+                let twist = |x: f64, v: f64, at: f64| {
+                    let (drive, speed) = (pair[0].0 + at * (pair[1].0 - pair[0].0), pair[0].1);
+                    RINGS * RINGS * (drive - x) + 0.08 * RINGS * (speed - v)
+                };
+                let on_it = 0.015 * twist(x, v, 0.0);
+                for step in 0..FINE {
+                    v += twist(x, v, step as f64 / FINE as f64) * DT / FINE as f64;
+                    x += v * DT / FINE as f64;
+                }
+                load(pair[0], 0.0) + on_it
+            })
+            .collect();
+        let d = answer(recorded(points[..torque.len()].iter().copied(), torque.into_iter(), &mut random));
+        assert_eq!(named(&d), ["compliance"]);
+        let frequency = &d.missing[0].parameters["frequency"];
+        println!("{:.3} ± {:.3} Hz of 9.66", frequency.value, frequency.std);
+        assert!((frequency.value - 9.66).abs() < 0.1);
     }
 }

@@ -13,6 +13,9 @@ const LATEST_SAMPLES: f64 = 5.0;
 /// Ratio of neighbouring lags of a force: pulses so much longer have 9/10 in common.
 const LAG_RATIO: f64 = 1.23;
 
+/// Ratio of neighbouring frequencies: from farther away than a narrow resonance is wide, a broad one looks nearer.
+const FREQUENCY_RATIO: f64 = 1.12;
+
 /// Scales of a set of stretches, from which the shapes worth trying follow.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scales {
@@ -88,6 +91,7 @@ impl Scales {
             Scale::Distance => (self.fine.max(1e-5 * span), 0.3 * span, true),
             Scale::PerLength => (1.0 / (1.5 * span), 40.0 / span, true),
             Scale::Gain | Scale::Range => (parameter.min, parameter.max, false),
+            Scale::Damping => (parameter.min, parameter.max, true),
         };
         let (low, high) = (low.max(parameter.min), high.min(parameter.max));
         if low < high { (low, high, log && low > 0.0) } else { (parameter.min, parameter.max, false) }
@@ -110,6 +114,8 @@ impl Scales {
             } else if p.scale == Scale::Lag && matches!(kind, TermKind::Force(_)) {
                 // It acts for as long after each reversal: a grid from which another effect looks nearer would name that.
                 (1.0 + (high / low).ln() / LAG_RATIO.ln()).ceil() as usize
+            } else if p.scale == Scale::Frequency {
+                (1.0 + (high / low).ln() / FREQUENCY_RATIO.ln()).ceil() as usize
             } else {
                 points
             };

@@ -69,7 +69,7 @@ mod tests {
             *value = match parameter.scale {
                 friction::effects::Scale::Lag => 4.0 * DT,
                 friction::effects::Scale::Frequency => 12.0,
-                friction::effects::Scale::Range => 0.1,
+                friction::effects::Scale::Damping => 0.1,
                 friction::effects::Scale::Force => 1.2,
                 _ => 0.004,
             };

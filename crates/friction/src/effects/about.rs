@@ -39,13 +39,15 @@ pub enum Scale {
     PerLength,
     /// None: tried over its own range.
     Range,
+    /// The same in its logarithm: a share of the critical damping.
+    Damping,
 }
 
 impl Scale {
     /// Dimension of a parameter with this scale; a number where the scale does not say.
     const fn dimension(self) -> Dimension {
         match self {
-            Self::Gain | Self::Range => Dimension::NUMBER,
+            Self::Gain | Self::Range | Self::Damping => Dimension::NUMBER,
             Self::Speed => Dimension::VELOCITY,
             Self::Wavelength | Self::Place { .. } | Self::Distance => Dimension::LENGTH,
             Self::Lag | Self::Rest | Self::Duration => Dimension::TIME,

@@ -42,7 +42,7 @@ impl Describe for Compliance {
                 (0.1, 1e4),
                 "at which the load would swing with the drive held",
             ),
-            Parameter::shape("damping", Scale::Range, (0.02, 0.6), "damping ratio ζ of that"),
+            Parameter::shape("damping", Scale::Damping, (0.02, 0.6), "damping ratio ζ of that"),
         ],
         reads: &[Quantity::Acceleration, Quantity::Time],
         seat: Seat::Drive,

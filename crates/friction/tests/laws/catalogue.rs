@@ -224,7 +224,7 @@ fn shapes_are_searched_and_gains_solved() {
                 assert!(from < to && to <= 100, "{}", parameter.name);
             }
             // what is tried over its own range has no unit that a recording could set
-            let ranged = parameter.scale == Scale::Range;
+            let ranged = matches!(parameter.scale, Scale::Range | Scale::Damping);
             let bare = [Dimension::NUMBER, Dimension::PHASE].contains(&parameter.dimension);
             assert_eq!(ranged, bare, "{}.{}", effect.id, parameter.name);
         }
