@@ -20,9 +20,9 @@ use crate::library::term::TermKind;
 use crate::naming::{self, Named};
 use crate::options::{Error, Interrupted, Options, Watch, tell};
 use crate::per_recording::{Nuisance, PerRecording};
+use crate::preparation::blows;
 use crate::preparation::drift;
 use crate::preparation::intake::{Intake, take};
-use crate::preparation::jumps;
 use crate::preparation::static_branch;
 use crate::preparation::track::{Reversals, Track};
 use crate::regression::linear::Fit;
@@ -450,7 +450,7 @@ impl Run<'_> {
         let mut faults = self.intake.faults.clone();
         let mass = found.fit.coefficients.first().zip(found.fit.std_errors().first());
         faults.extend(mass.and_then(|(mass, std)| implausible_mass(*mass, *std, self.intake.geometry)));
-        faults.extend(jumps::fault(&self.design().tracks));
+        faults.extend(blows::fault(&self.design().tracks));
         for (i, atom) in found.atoms.iter().enumerate() {
             let TermKind::Series(kind) = atom.term.kind else { continue };
             let gains = atom.gains(found.coefficients(self.design(), i));

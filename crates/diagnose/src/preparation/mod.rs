@@ -1,7 +1,7 @@
 //! From prepared recordings to filtered tracks.
 
+pub mod blows;
 pub mod drift;
 pub mod intake;
-pub mod jumps;
 pub mod static_branch;
 pub mod track;

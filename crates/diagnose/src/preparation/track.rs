@@ -10,7 +10,7 @@
 //! advances never stands still behind a filter that does not overshoot: there it is a [`Gaussian`], as a dip before each step
 //! of the speed would be a fall of orders of magnitude for a law of its logarithm.
 
-use crate::preparation::jumps::unresolved;
+use crate::preparation::blows::unresolved;
 use signals::{
     Channels, Gaussian, LowPass, Noise, SHARPER, SMEARED, central_difference, derived_noise, differentiated,
     four_point_difference, noise_std, quantile, soften,

@@ -69,18 +69,23 @@ const CONTRADICTS: f64 = 4.0;
 const USUAL: usize = 99;
 const BLOW: f64 = 1.5;
 
+/// Speed over the three samples after sample `i` less that over the three before it, and the period there, s.
+fn change_of_speed(recording: &Recording, i: usize) -> Option<(f64, f64)> {
+    let (time, position) = (&recording.time, &recording.position);
+    let before = i.checked_sub(4)?;
+    let dt = (time.get(i + 4)? - time[before]) / 8.0;
+    Some(((position.get(i + 4)? - position[i + 1] - position[i - 1] + position[before]) / (3.0 * dt), dt))
+}
+
 /// Samples of the acceleration that no body had: friction that lets go or catches does accelerate one for a
 /// millisecond, and then the velocity has changed by as much.
 fn unmoved(recording: &Recording, acceleration: &[f64]) -> Vec<usize> {
-    let (time, position) = (&recording.time, &recording.position);
-    let noise = noise_variance(position).sqrt();
+    let noise = noise_variance(&recording.position).sqrt();
     let own = noise_variance(acceleration).sqrt();
     outliers(acceleration)
         .into_iter()
         .filter(|&i| {
-            let (Some(before), Some(after)) = (i.checked_sub(4), position.get(i + 4)) else { return true };
-            let dt = (time[i + 4] - time[before]) / 8.0;
-            let change = (after - position[i + 1] - position[i - 1] + position[before]) / (3.0 * dt);
+            let Some((change, dt)) = change_of_speed(recording, i) else { return true };
             // from the middle of the three samples before to that of the three after
             let expected: f64 = acceleration[i - 2..=i + 2].iter().sum::<f64>() * dt;
             let deviation = (2.0 * noise / (3.0 * dt)).hypot(5f64.sqrt() * own * dt);
@@ -96,13 +101,8 @@ fn without_blow(recording: &Recording, force: &[f64]) -> Vec<usize> {
     if found.is_empty() {
         return found;
     }
-    let (time, position) = (&recording.time, &recording.position);
-    let change = |i: usize| -> Option<f64> {
-        let before = i.checked_sub(4)?;
-        let dt = (time.get(i + 4)? - time.get(before)?) / 8.0;
-        Some((position.get(i + 4)? - position[i + 1] - position[i - 1] + position[before]) / (3.0 * dt))
-    };
-    let mut usual: Vec<f64> = (0..position.len()).filter_map(change).map(f64::abs).collect();
+    let change = |i: usize| Some(change_of_speed(recording, i)?.0);
+    let mut usual: Vec<f64> = (0..force.len()).filter_map(change).map(f64::abs).collect();
     usual.retain(|c| c.is_finite());
     usual.sort_by(f64::total_cmp);
     let usual = usual.get(usual.len() * USUAL / 100).copied().unwrap_or(0.0);

@@ -54,7 +54,8 @@ pub fn fault(tracks: &[Track]) -> Option<RecordingFault> {
     let told: Vec<String> = times.iter().take(ONE_BY_ONE).map(|t| format!("{t:.2}")).collect();
     let more = match times.len() - told.len() {
         0 => String::new(),
-        more => format!(" and {more} times more"),
+        1 => " and at another time".into(),
+        more => format!(" and at {more} other times"),
     };
     let why = format!(
         "the force or the speed jumps between two samples, at {} s{more}: what acted between them is not recorded, and these \
