@@ -14,9 +14,15 @@ const SURE: f64 = 8.0;
 /// Error behind the filter that counts, in standard deviations of what noise of the force leaves there.
 const LARGE: f64 = 3.0;
 
-/// Samples beside jumps of the force, or of the acceleration of `position`, that leave more than noise does behind a low-pass at
-/// `cutoff` Hz; `acceleration` is a smooth one.
-pub fn unresolved(force: &[f64], position: &[f64], acceleration: &[f64], dt: f64, cutoff: f64) -> Vec<usize> {
+/// Samples beside jumps that leave more than noise does behind a low-pass at `cutoff` Hz: of the force, and of the acceleration
+/// of `position`; `acceleration` is a smooth one.
+pub fn unresolved(
+    force: &[f64],
+    position: &[f64],
+    acceleration: &[f64],
+    dt: f64,
+    cutoff: f64,
+) -> [Vec<usize>; 2] {
     let noise = noise_std(force);
     // a moment that is even in a sample has a deviation of dt/√12, and the response of the filter to an impulse a height of 2·cutoff
     let error_of_a_step = 2.0 * cutoff * dt / 12f64.sqrt();
@@ -25,9 +31,8 @@ pub fn unresolved(force: &[f64], position: &[f64], acceleration: &[f64], dt: f64
     let bends: Vec<f64> =
         position.windows(3).map(|x| mass * (x[0] - 2.0 * x[1] + x[2]) / (dt * dt)).collect();
     let of_bends = mass * SIXTH * noise_std(position) / (dt * dt);
-    let mut out = steps(force, (SURE * FOURTH * noise).max(OF_A_STEP * large), 0);
-    out.extend(steps(&bends, (SURE * of_bends).max(OF_A_STEP * large), 1));
-    out
+    let of_force = steps(force, (SURE * FOURTH * noise).max(OF_A_STEP * large), 0);
+    [of_force, steps(&bends, (SURE * of_bends).max(OF_A_STEP * large), 1)]
 }
 
 /// Middles of the fourth differences above a limit, in a series that begins `offset` samples late.
@@ -79,7 +84,7 @@ mod tests {
     #[test]
     fn a_blow_within_a_sample_is_told_from_what_is_quick() {
         let rest = vec![0.0; SAMPLES];
-        let found = |force: &[f64], cutoff: f64| unresolved(force, &rest, &rest, DT, cutoff);
+        let found = |force: &[f64], cutoff: f64| unresolved(force, &rest, &rest, DT, cutoff)[0].clone();
         let quick: Vec<f64> = (0..SAMPLES).map(|i| 3.0 * (0.3 * i as f64).sin() + noise(i)).collect();
         assert!(found(&quick, 25.0).is_empty());
         let blow: Vec<f64> = (0..SAMPLES)
@@ -99,7 +104,7 @@ mod tests {
         let acceleration: Vec<f64> = (0..SAMPLES).map(|i| -7.5 * (0.01 * i as f64).sin()).collect();
         // the force of the stop came and went between two samples
         let force: Vec<f64> = acceleration.iter().enumerate().map(|(i, a)| 0.1 * a + noise(i)).collect();
-        let at = unresolved(&force, &position, &acceleration, DT, 25.0);
+        let [_, at] = unresolved(&force, &position, &acceleration, DT, 25.0);
         println!("{at:?}");
         assert!(at.contains(&2000) && at.iter().all(|i| (1998..2003).contains(i)));
     }

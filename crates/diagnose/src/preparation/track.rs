@@ -141,11 +141,6 @@ impl Track {
         let settle = filter.settle().min(n / 4);
         let stride = stride(dt, cutoff);
         let normal = raw.normal.as_ref().map(|c| filter.apply(c));
-        // a body that only advances is given steps of the speed to see what follows them
-        let blows = match reversals.one_way {
-            Some(_) => Vec::new(),
-            None => unresolved(&raw.force, &raw.position, &a, dt, cutoff),
-        };
         let mut track = Self {
             filter,
             x,
@@ -158,7 +153,7 @@ impl Track {
             mask: vec![1.0; n],
             distance: vec![0.0; n],
             since: vec![0.0; n],
-            blows,
+            blows: Vec::new(),
             stride,
             noise,
             reversals,
@@ -182,6 +177,20 @@ impl Track {
     /// Sets what is `around` each blow aside, in samples. Where that is much of the motion, all of it is sampled as coarsely, and
     /// the noise floor has it.
     fn set_blows_aside(&mut self, around: usize) {
+        // a body that only advances is given steps of the speed to see what follows them
+        if self.reversals.one_way.is_some() {
+            return;
+        }
+        let (force, position) = (&self.raw.force, &self.raw.position);
+        let [mut blows, of_motion] = unresolved(force, position, &self.a, self.raw.dt, self.filter.cutoff());
+        // friction that turns round is no blow
+        let turns = |i: usize| {
+            let beside = &self.sign[i.saturating_sub(around)..(i + around + 1).min(self.sign.len())];
+            beside.iter().any(|s| *s != beside[0])
+        };
+        blows.retain(|i| !turns(*i));
+        blows.extend(of_motion);
+        self.blows = blows;
         let n = self.len();
         let mut aside = vec![1.0; n];
         for &i in &self.blows {
