@@ -450,7 +450,8 @@ impl Run<'_> {
         let mut faults = self.intake.faults.clone();
         let mass = found.fit.coefficients.first().zip(found.fit.std_errors().first());
         faults.extend(mass.and_then(|(mass, std)| implausible_mass(*mass, *std, self.intake.geometry)));
-        faults.extend(blows::fault(&self.design().tracks));
+        let blows = |t: &Track| t.blows.iter().map(|i| t.time(*i)).collect();
+        faults.extend(blows::fault(self.design().tracks.iter().map(blows)));
         for (i, atom) in found.atoms.iter().enumerate() {
             let TermKind::Series(kind) = atom.term.kind else { continue };
             let gains = atom.gains(found.coefficients(self.design(), i));

@@ -1,7 +1,6 @@
 //! Blows: the force, or the acceleration, jumps between two samples. When it jumped within them is not recorded, and how high it was
 //! is not either where it is over before the next one. Where that is more than the noise leaves, the moment says nothing of any law.
 
-use crate::preparation::track::Track;
 use signals::{FaultKind, RecordingFault, differentiated, dot, noise_std};
 
 /// Largest fourth difference beside a step of one. What is quick but sampled well has a much smaller one.
@@ -46,11 +45,10 @@ const ONE: f64 = 0.1;
 /// Blows that are told one by one.
 const ONE_BY_ONE: usize = 4;
 
-/// What is said of the blows in the tracks.
-pub fn fault(tracks: &[Track]) -> Option<RecordingFault> {
+/// What is said of blows at these times, s, in one gap-free stretch after the other.
+pub fn fault(stretches: impl Iterator<Item = Vec<f64>>) -> Option<RecordingFault> {
     let mut times: Vec<f64> = Vec::new();
-    for track in tracks {
-        let mut at: Vec<f64> = track.blows.iter().map(|i| track.time(*i)).collect();
+    for mut at in stretches {
         at.sort_by(f64::total_cmp);
         at.dedup_by(|later, earlier| *later - *earlier < ONE);
         times.extend(at);
