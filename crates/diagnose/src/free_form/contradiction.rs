@@ -132,8 +132,8 @@ fn needless(search: &Search, mut now: Resolved) -> Resolved {
             atoms.remove(i);
             let fewer = Hypothesis::new(search.design, atoms)?;
             let fitted = now.described.without(search, &fewer, None)?;
-            let gains = |without: &Fit, with: &Fit| search.gains_surely(without, with);
-            let needed = gains(&fitted.fit, &now.described.fit) && gains(&fewer.fit, &now.found.fit);
+            let needed = search.gains_surely(&fitted.fit, &now.described.fit)
+                && search.gains_surely(&fewer.fit, &now.found.fit);
             (!needed).then(|| (fitted.fit.heldout_sum(), i, fewer, fitted))
         };
         let best = (0..now.found.atoms.len()).filter_map(without).min_by(|a, b| a.0.total_cmp(&b.0));

@@ -275,8 +275,9 @@ fn next(
         // a form that flips the sign of a named effect replaces it instead of adding to it
         let beside = Hypothesis { fit: chosen.fit.clone(), ..found.clone() };
         // the interval says what another motion would gain, and there nothing changes at this moment
-        let gains =
-            search.gains_surely(&so_far.fit, &chosen.fit) || of.change.is_some() && after <= STEPS * before;
+        let gains = interval[0] > 0.0
+            || search.explains_several_parts(&so_far.fit, &chosen.fit)
+            || of.change.is_some() && after <= STEPS * before;
         let clear = p <= LEVEL
             && gains
             && before - after >= material

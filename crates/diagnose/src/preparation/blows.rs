@@ -1,7 +1,7 @@
 //! Blows: the force, or the acceleration, jumps between two samples. When it jumped within them is not recorded, and how high it was
 //! is not either where it is over before the next one. Where that is more than the noise leaves, the moment says nothing of any law.
 
-use signals::{FaultKind, RecordingFault, differentiated, dot, noise_std};
+use signals::{Channels, FaultKind, Noise, RecordingFault, differentiated, dot};
 
 /// Largest fourth difference beside a step of one. What is quick but sampled well has a much smaller one.
 const OF_A_STEP: f64 = 3.0;
@@ -14,23 +14,17 @@ const SURE: f64 = 8.0;
 const LARGE: f64 = 3.0;
 
 /// Samples beside jumps that leave more than noise does behind a low-pass at `cutoff` Hz: of the force, and of the acceleration
-/// of `position`; `acceleration` is a smooth one.
-pub fn unresolved(
-    force: &[f64],
-    position: &[f64],
-    acceleration: &[f64],
-    dt: f64,
-    cutoff: f64,
-) -> [Vec<usize>; 2] {
-    let noise = noise_std(force);
+/// of the position; `acceleration` is a smooth one.
+pub fn unresolved(channels: &Channels, noise: &Noise, acceleration: &[f64], cutoff: f64) -> [Vec<usize>; 2] {
+    let Channels { dt, position, force, .. } = channels;
     // a moment that is even in a sample has a deviation of dt/√12, and the response of the filter to an impulse a height of 2·cutoff
     let error_of_a_step = 2.0 * cutoff * dt / 12f64.sqrt();
-    let large = LARGE * noise * differentiated(0, cutoff, dt) / error_of_a_step;
+    let large = LARGE * noise.force * differentiated(0, cutoff, *dt) / error_of_a_step;
     let mass = dot(force, acceleration).abs() / dot(acceleration, acceleration).max(1e-300);
     let bends: Vec<f64> =
         position.windows(3).map(|x| mass * (x[0] - 2.0 * x[1] + x[2]) / (dt * dt)).collect();
-    let of_bends = mass * SIXTH * noise_std(position) / (dt * dt);
-    let of_force = steps(force, (SURE * FOURTH * noise).max(OF_A_STEP * large), 0);
+    let of_bends = mass * SIXTH * noise.position / (dt * dt);
+    let of_force = steps(force, (SURE * FOURTH * noise.force).max(OF_A_STEP * large), 0);
     [of_force, steps(&bends, (SURE * of_bends).max(OF_A_STEP * large), 1)]
 }
 
@@ -42,8 +36,8 @@ fn steps(series: &[f64], limit: f64, offset: usize) -> Vec<usize> {
 
 /// Time within which jumps are one blow, s.
 const ONE: f64 = 0.1;
-/// Blows that are told one by one.
-const ONE_BY_ONE: usize = 4;
+/// Most blows whose times are listed.
+const LISTED: usize = 4;
 
 /// What is said of blows at these times, s, in one gap-free stretch after the other.
 pub fn fault(stretches: impl Iterator<Item = Vec<f64>>) -> Option<RecordingFault> {
@@ -54,16 +48,15 @@ pub fn fault(stretches: impl Iterator<Item = Vec<f64>>) -> Option<RecordingFault
         times.extend(at);
     }
     let first = *times.first()?;
-    let told: Vec<String> = times.iter().take(ONE_BY_ONE).map(|t| format!("{t:.2}")).collect();
-    let more = match times.len() - told.len() {
+    let listed: Vec<String> = times.iter().take(LISTED).map(|t| format!("{t:.2}")).collect();
+    let more = match times.len() - listed.len() {
         0 => String::new(),
-        1 => " and at another time".into(),
-        more => format!(" and at {more} other times"),
+        more => format!(" and {more} more"),
     };
     let why = format!(
         "the force or the speed jumps between two samples, at {} s{more}: what acted between them is not recorded, and these \
          moments are set aside; move more smoothly, or record faster",
-        told.join(", ")
+        listed.join(", ")
     );
     Some(RecordingFault::new(FaultKind::UnresolvedBlow, Some(first), why))
 }
@@ -71,9 +64,16 @@ pub fn fault(stretches: impl Iterator<Item = Vec<f64>>) -> Option<RecordingFault
 #[cfg(test)]
 mod tests {
     use super::*;
+    use signals::derived_noise;
 
     const DT: f64 = 0.002;
     const SAMPLES: usize = 5000;
+
+    /// What is found where the position and the force are these.
+    fn found(position: Vec<f64>, force: Vec<f64>, acceleration: &[f64], cutoff: f64) -> [Vec<usize>; 2] {
+        let channels = Channels { dt: DT, position, force, ..Channels::default() };
+        unresolved(&channels, &derived_noise(&channels, cutoff), acceleration, cutoff)
+    }
 
     fn noise(i: usize) -> f64 {
         0.02 * (1e4 * (i * i) as f64).sin()
@@ -82,17 +82,20 @@ mod tests {
     #[test]
     fn a_blow_within_a_sample_is_told_from_what_is_quick() {
         let rest = vec![0.0; SAMPLES];
-        let found = |force: &[f64], cutoff: f64| unresolved(force, &rest, &rest, DT, cutoff)[0].clone();
+        let of_force = |force: &[f64], cutoff: f64| {
+            let [of_force, _] = found(rest.clone(), force.to_vec(), &rest, cutoff);
+            of_force
+        };
         let quick: Vec<f64> = (0..SAMPLES).map(|i| 3.0 * (0.3 * i as f64).sin() + noise(i)).collect();
-        assert!(found(&quick, 25.0).is_empty());
+        assert!(of_force(&quick, 25.0).is_empty());
         let blow: Vec<f64> = (0..SAMPLES)
             .map(|i| noise(i) + if i < 2000 { 0.0 } else { 20.0 * (-(i as f64 - 2000.0) / 4.0).exp() })
             .collect();
-        let at = found(&blow, 25.0);
+        let at = of_force(&blow, 25.0);
         println!("{at:?}");
         assert!(at.contains(&2000) && at.iter().all(|i| (1998..2003).contains(i)));
         // behind a filter that takes out what it does, it does no harm
-        assert!(found(&blow, 0.002).is_empty());
+        assert!(of_force(&blow, 0.002).is_empty());
     }
 
     #[test]
@@ -102,7 +105,7 @@ mod tests {
         let acceleration: Vec<f64> = (0..SAMPLES).map(|i| -7.5 * (0.01 * i as f64).sin()).collect();
         // the force of the stop came and went between two samples
         let force: Vec<f64> = acceleration.iter().enumerate().map(|(i, a)| 0.1 * a + noise(i)).collect();
-        let [_, at] = unresolved(&force, &position, &acceleration, DT, 25.0);
+        let [_, at] = found(position, force, &acceleration, 25.0);
         println!("{at:?}");
         assert!(at.contains(&2000) && at.iter().all(|i| (1998..2003).contains(i)));
     }

@@ -181,25 +181,20 @@ impl Track {
         if self.reversals.one_way.is_some() {
             return;
         }
-        let (force, position) = (&self.raw.force, &self.raw.position);
-        let [mut blows, of_motion] = unresolved(force, position, &self.a, self.raw.dt, self.filter.cutoff());
-        // friction that turns round is no blow
-        let turns = |i: usize| {
-            let beside = &self.sign[i.saturating_sub(around)..(i + around + 1).min(self.sign.len())];
-            beside.iter().any(|s| *s != beside[0])
-        };
-        blows.retain(|i| !turns(*i));
-        blows.extend(of_motion);
-        self.blows = blows;
         let n = self.len();
+        let beside = |i: usize| i.saturating_sub(around)..(i + around + 1).min(n);
+        let [mut blows, of_motion] = unresolved(&self.raw, &self.noise, &self.a, self.filter.cutoff());
+        // at a reversal the force jumps because friction changes sign
+        blows.retain(|i| self.sign[beside(*i)].windows(2).all(|pair| pair[0] == pair[1]));
+        blows.extend(of_motion);
         let mut aside = vec![1.0; n];
-        for &i in &self.blows {
-            aside[i.saturating_sub(around)..(i + around + 1).min(n)].fill(0.0);
+        for &i in &blows {
+            aside[beside(i)].fill(0.0);
         }
         if aside.iter().sum::<f64>() < (1.0 - MOST_BLOWS) * n as f64 {
-            self.blows.clear();
             return;
         }
+        self.blows = blows;
         for (mask, aside) in self.mask.iter_mut().zip(aside) {
             *mask = mask.min(aside);
         }
@@ -250,14 +245,6 @@ impl Track {
             let after = if i < n { self.v[i].signum() } else { direction };
             // Averaged, the noise of a body at rest stays below half the guard, and what slides slowly does not.
             let slowest = mean[start..i].iter().fold(f64::INFINITY, |m, v| m.min(v.abs()));
-            // A stop between quick motions is over before it shows in such an average.
-            let quick =
-                |at: Option<usize>| at.and_then(|at| self.v.get(at)).is_some_and(|v| v.abs() > QUICK * guard);
-            let own = self.v[start..i].iter().sum::<f64>().abs() / (i - start) as f64;
-            let stops = i - start <= 2 * window
-                && quick(start.checked_sub(window))
-                && quick(Some(i + window))
-                && own < STOPPED * guard;
             // The noise of a body that is held crosses zero long before it gets going. One that passes crossed where its sign changed.
             let begun = if after != direction { self.begins(start..i, guard) } else { None };
             let change = begun
@@ -270,7 +257,11 @@ impl Track {
                 self.sign[j] = if j < change { direction } else { after };
             }
             // A reversal, a rest, or the static branch. A moment's error at a reversal is twice the Coulomb force for that moment.
-            if after != direction || self.reversals.static_band > 0.0 || slowest < 0.5 * guard || stops {
+            if after != direction
+                || self.reversals.static_band > 0.0
+                || slowest < 0.5 * guard
+                || self.stops(start..i, window, guard)
+            {
                 unknown.push((start.saturating_sub(ring), (i + ring).min(n)));
             }
             direction = after;
@@ -278,6 +269,17 @@ impl Track {
         for (from, to) in unknown.into_iter().filter(|_| !self.reversals.kept) {
             self.mask[from..to].fill(0.0);
         }
+    }
+
+    /// Whether a body stopped between quick motions, within twice the `window` of an average: too short for it to show there.
+    fn stops(&self, slow: std::ops::Range<usize>, window: usize, guard: f64) -> bool {
+        let quick =
+            |at: Option<usize>| at.and_then(|at| self.v.get(at)).is_some_and(|v| v.abs() > QUICK * guard);
+        let mean = self.v[slow.clone()].iter().sum::<f64>().abs() / slow.len() as f64;
+        slow.len() <= 2 * window
+            && quick(slow.start.checked_sub(window))
+            && quick(Some(slow.end + window))
+            && mean < STOPPED * guard
     }
 
     /// Sample at which a body got going that was held meanwhile: where the curve of its speed begins that fits best until this is well

@@ -117,13 +117,15 @@ impl Search<'_> {
     }
 
     /// Whether one fit surely gains over another on blocks that it was not fitted on: the interval of the gain is above zero, or
-    /// the gain is nearly all that there is and comes from several parts. Where few blocks show an effect, as the fast ones show
-    /// inertia, a draw of blocks may hold none of them, and the interval reaches zero however plain the gain is in each.
+    /// [`Self::explains_several_parts`].
     pub fn gains_surely(&self, without: &Fit, with: &Fit) -> bool {
         self.gains(without, with)[0] > 0.0 || self.explains_several_parts(without, with)
     }
 
-    fn explains_several_parts(&self, without: &Fit, with: &Fit) -> bool {
+    /// Whether a gain is nearly all that there is to gain, and comes from several parts of the recording. Where few blocks show an
+    /// effect, as the fast ones show inertia, a draw of blocks may hold none of them, and the interval of the gain reaches zero
+    /// however plain the gain is in each.
+    pub fn explains_several_parts(&self, without: &Fit, with: &Fit) -> bool {
         let (before, after) = (without.heldout_sum(), with.heldout_sum());
         let blocks: Vec<f64> = without.heldout.iter().zip(&with.heldout).map(|(b, a)| b - a).collect();
         let parts: Vec<f64> = (0..FOLDS)

@@ -50,8 +50,8 @@ fn outliers(series: &[f64]) -> Vec<usize> {
                 (1..3).take_while(|k| i >= *k && is_far(i - k)).count(),
             );
             let to = |neighbour: Option<&f64>| neighbour.map(|x| (series[i] - x).abs());
-            let sides = to(i.checked_sub(before + 1).and_then(|j| series.get(j)));
-            is_far(i) && before + after <= 1 && stands_out(sides, to(series.get(i + after + 1)))
+            let to_before = to(i.checked_sub(before + 1).and_then(|j| series.get(j)));
+            is_far(i) && before + after <= 1 && stands_out(to_before, to(series.get(i + after + 1)))
         })
         .collect()
 }
