@@ -50,8 +50,10 @@ pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
     let all = bins(&|_, _| true);
     let slowing = bins(&|i, t| t.v[i] * t.a[i] < 0.0);
     let gathering = bins(&|i, t| t.v[i] * t.a[i] > 0.0);
+    // a force that builds up over a distance is less than that of sliding where the body gathers speed, and where it slows it is not
+    let builds_up = |edge: usize| Step::at(&slowing, edge).is_some_and(|s| !s.wanders());
     let wanders = |edge: &usize| {
-        Step::at(&all, *edge).is_some_and(|s| s.is_one() && s.below.2 > WANDERS * WANDERS * s.above.2)
+        Step::at(&all, *edge).is_some_and(|s| s.is_one() && s.wanders()) && !builds_up(*edge)
     };
     let static_level = |edge: &usize| {
         let of = |bins| Step::at(bins, *edge).filter(|s| s.rises());
@@ -106,6 +108,10 @@ impl Step {
     /// Flat above the edge, and surely another force below it.
     fn is_one(&self) -> bool {
         (self.above.0 - self.further.0).abs() < FLAT * self.jump().abs() && self.is_sure()
+    }
+
+    fn wanders(&self) -> bool {
+        self.below.2 > WANDERS * WANDERS * self.above.2
     }
 
     fn rises(&self) -> bool {
