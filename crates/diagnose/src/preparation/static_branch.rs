@@ -4,12 +4,17 @@
 //! It shows in one of two ways: the force there wanders with the load, or, where the branch brakes with all it has, it is the
 //! static level, higher than that of sliding whether the body slows down or gathers speed.
 //!
+//! Friction that builds up over a distance after a reversal wanders at low speed as well, but with the distance: it is physics, and
+//! no branch.
+//!
 //! A step, not a slope: smooth physics at low speed (a Stribeck curve, frictional lag) changes as much in the bins above
 //! an edge as across it.
 
 use crate::preparation::track::Track;
+use friction::Motion;
+use friction::effects::{EffectKind, MAX_MEMORY};
 use nalgebra::{DMatrix, DVector};
-use signals::quantile;
+use signals::{dot, quantile};
 
 /// Bins of |v|, and the share of the top speed they span.
 const BINS: usize = 40;
@@ -26,6 +31,13 @@ const WANDERS: f64 = 3.0;
 const ALIKE: f64 = 0.1;
 /// What may change above the edge, as a share of the step.
 const FLAT: f64 = 0.25;
+/// Share of the squared excess force from which on it is friction that builds up over a distance after each reversal. A force that
+/// balances turns round with the load, before the motion does.
+const BUILDS_UP: f64 = 0.5;
+/// Distances that are tried, from the noise of the position to a share of the stroke, and the shortest as a share of that.
+const DISTANCES: usize = 16;
+const LONGEST: f64 = 0.1;
+const SHORTEST: f64 = 1e-4;
 
 /// Δv and half a bin's width, m/s, where the recording shows the step.
 pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
@@ -50,10 +62,8 @@ pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
     let all = bins(&|_, _| true);
     let slowing = bins(&|i, t| t.v[i] * t.a[i] < 0.0);
     let gathering = bins(&|i, t| t.v[i] * t.a[i] > 0.0);
-    // a force that builds up over a distance is less than that of sliding where the body gathers speed, and where it slows it is not
-    let builds_up = |edge: usize| Step::at(&slowing, edge).is_some_and(|s| !s.wanders());
     let wanders = |edge: &usize| {
-        Step::at(&all, *edge).is_some_and(|s| s.is_one() && s.wanders()) && !builds_up(*edge)
+        Step::at(&all, *edge).is_some_and(|s| s.is_one() && s.below.2 > WANDERS * WANDERS * s.above.2)
     };
     let static_level = |edge: &usize| {
         let of = |bins| Step::at(bins, *edge).filter(|s| s.rises());
@@ -61,7 +71,41 @@ pub fn delta_v(tracks: &[Track]) -> Option<(f64, f64)> {
     };
     // the highest: rest itself is a step, too, at the bottom of the band
     let edge = (1..BINS).rfind(|edge| wanders(edge) || static_level(edge))?;
-    Some((edge as f64 * width, 0.5 * width))
+    let band = edge as f64 * width;
+    (built_up(tracks, &used, &excess, band) < BUILDS_UP).then_some((band, 0.5 * width))
+}
+
+/// Share of the squared excess force of the samples slower than `band` that presliding explains, at the distance that explains most.
+fn built_up(tracks: &[Track], used: &[(usize, &Track)], excess: &[f64], band: f64) -> f64 {
+    let slow: Vec<bool> = used.iter().map(|(i, t)| t.v[*i].abs() < band).collect();
+    let of_slow = |series: &[f64]| -> Vec<f64> {
+        series.iter().zip(&slow).filter(|(_, slow)| **slow).map(|(x, _)| *x).collect()
+    };
+    let excess = of_slow(excess);
+    let positions: Vec<f64> = used.iter().map(|(i, t)| t.x[*i]).collect();
+    let most = LONGEST * (quantile(&positions, 1.0) - quantile(&positions, 0.0));
+    let noise = tracks.iter().map(|t| t.noise.position).fold(0.0, f64::max);
+    let least = noise.clamp(SHORTEST * most, most);
+    let share = |k: usize| {
+        let x_s = least * (most / least).powf(k as f64 / (DISTANCES - 1) as f64);
+        let lack = of_slow(&tracks.iter().flat_map(|t| lack(t, x_s)).collect::<Vec<_>>());
+        let along = dot(&lack, &excess).max(0.0);
+        along * along / (dot(&lack, &lack) * dot(&excess, &excess)).max(1e-300)
+    };
+    (0..DISTANCES).map(share).fold(0.0, f64::max)
+}
+
+/// What friction that builds up over the distance `x_s`, m or rad, has less than its level, against the motion, at every sample used.
+fn lack(track: &Track, x_s: f64) -> Vec<f64> {
+    let mut memory = [0.0; MAX_MEMORY];
+    let at = |i: usize| {
+        let displacement = track.x[i] - track.x[i.saturating_sub(1)];
+        let motion = Motion { displacement, velocity: track.sign[i], dt: track.raw.dt, ..Motion::default() };
+        let [forward, backward, ..] = EffectKind::Presliding.unit(&[x_s, 0.0], &mut memory, &motion);
+        track.sign[i] * (forward + backward)
+    };
+    let all: Vec<f64> = (0..track.len()).map(at).collect();
+    all.into_iter().zip(&track.mask).filter(|(_, mask)| **mask > 0.0).map(|(lack, _)| lack).collect()
 }
 
 /// Excess force of the samples in a bin.
@@ -108,10 +152,6 @@ impl Step {
     /// Flat above the edge, and surely another force below it.
     fn is_one(&self) -> bool {
         (self.above.0 - self.further.0).abs() < FLAT * self.jump().abs() && self.is_sure()
-    }
-
-    fn wanders(&self) -> bool {
-        self.below.2 > WANDERS * WANDERS * self.above.2
     }
 
     fn rises(&self) -> bool {
@@ -164,6 +204,40 @@ const COLUMNS: usize = 12;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::preparation::track::Reversals;
+    use signals::Channels;
+
+    /// A motion of several frequencies with Coulomb friction of 1 N, and what takes its place below 20 mm/s.
+    fn track(slow: impl Fn(f64, &mut f64, f64) -> Option<f64>) -> Track {
+        const DT: f64 = 1e-3;
+        let place = |t: f64| 0.02 * (5.0 * t).sin() + 0.008 * (13.0 * t).cos() + 0.002 * (31.0 * t).sin();
+        let noise = |i: usize| 0.02 * (1e4 * (i * i) as f64).sin();
+        let n = 30_000;
+        let mut memory = 0.0;
+        let force = |i: usize| {
+            let t = i as f64 * DT;
+            let v = (place(t + 1e-5) - place(t - 1e-5)) / 2e-5;
+            let friction = slow(t, &mut memory, v * DT).filter(|_| v.abs() < 0.02);
+            friction.unwrap_or(v.signum()) + 2.0 * v + noise(i)
+        };
+        let force = (0..n).map(force).collect();
+        let position = (0..n).map(|i| place(i as f64 * DT)).collect();
+        let raw = Channels { dt: DT, position, force, ..Channels::default() };
+        Track::new(raw, 60.0, Reversals::default())
+    }
+
+    #[test]
+    fn friction_that_builds_up_was_a_static_branch() {
+        let balances = track(|t, _, _| Some((37.0 * t).sin()));
+        let band = delta_v(&[balances]);
+        println!("balances: {band:?}");
+        assert!(band.is_some_and(|(v, half)| (v - 0.02).abs() < 3.0 * half));
+        let builds_up = track(|_, z, moved| {
+            *z = moved.signum() + (*z - moved.signum()) * (-moved.abs() / 4e-5).exp();
+            Some(*z)
+        });
+        assert_eq!(delta_v(&[builds_up]), None);
+    }
 
     #[test]
     fn a_ripple_crossed_at_one_speed_of_a_triangle_was_a_static_branch() {
