@@ -40,7 +40,8 @@ use friction::Dimension;
 use friction::effects::{Describe, Parameter, Unnamed};
 use friction::parameters::{DELAY, DELTA_V};
 use signals::{
-    Channels, FaultKind, Noise, Preparation, Recording, RecordingFault, derived_noise, implausible_mass,
+    Basis, Channels, FaultKind, Noise, Preparation, Recording, RecordingFault, derived_noise,
+    implausible_mass,
 };
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -142,12 +143,7 @@ pub fn diagnose_watched(
         origins = nuisance::origins(&first);
         intake.move_origins(&origins);
     }
-    let fresh = |found: &[Hum]| {
-        let mut without = intake.clone();
-        without.take_out_hums(found);
-        DesignMatrix::new(&without.stretches, cutoff, without.reversals, false)
-    };
-    let hums = hum::find(fresh, &intake.extra, cutoff, options.seed);
+    let mut hums = hum::find(|found| without(&intake, found, cutoff), &intake.extra, cutoff, options.seed);
     intake.take_out_hums(&hums);
     let Some(design) = with_delay(&intake.stretches, cutoff, intake.reversals) else {
         return Ok(untestable(
@@ -155,7 +151,7 @@ pub fn diagnose_watched(
             "too few samples in motion are left after those with an unknown direction are set aside",
         ));
     };
-    let Some(regression) = Regression::new(design, options) else {
+    let Some(mut regression) = Regression::new(design, options) else {
         return Ok(untestable(
             intake,
             "mass, friction and what is declared to differ between the recordings cannot be told apart on this motion: \
@@ -174,6 +170,18 @@ pub fn diagnose_watched(
     let mut astray = None;
     let (named, judges) = loop {
         let mut named = naming::name_beside_columns(&intake, regression.clone(), cutoff, options, watch)?;
+        // what was left out may have covered a hum
+        if hums.is_empty() {
+            let beside = |found: &[Hum]| beside(&named, &intake, found, cutoff);
+            let covered = hum::find(beside, &intake.extra, cutoff, options.seed);
+            let mut quiet = intake.clone();
+            quiet.take_out_hums(&covered);
+            let design = (!covered.is_empty()).then(|| with_delay(&quiet.stretches, cutoff, quiet.reversals));
+            if let Some(again) = design.flatten().and_then(|design| Regression::new(design, options)) {
+                (intake, regression, hums) = (quiet, again, covered);
+                continue;
+            }
+        }
         let of = |judged| judges(judged, cutoff, &named.regression, &named.acting);
         let judges = judged.as_ref().map_or_else(Vec::new, of);
         named.confirm(&judges, options, cutoff, &names.join(", "));
@@ -203,6 +211,27 @@ pub fn diagnose_watched(
         intake.faults.push(RecordingFault::new(FaultKind::TooShort, None, why));
     }
     Ok(Run { intake, cutoff, options, origins, hums, named, astray }.diagnose(&judges, watch)?)
+}
+
+/// The design matrix without hums.
+fn without(intake: &Intake, hums: &[Hum], cutoff: f64) -> Option<DesignMatrix> {
+    let mut quiet = intake.clone();
+    quiet.take_out_hums(hums);
+    DesignMatrix::new(&quiet.stretches, cutoff, quiet.reversals, false)
+}
+
+/// The same with what was found in its baseline, but for what follows the whole force: that holds a part of a hum itself.
+fn beside(named: &Named, intake: &Intake, hums: &[Hum], cutoff: f64) -> Option<DesignMatrix> {
+    let terms: Vec<_> =
+        named.found.atoms.iter().map(|a| a.term).filter(|term| !term.kind.needs_force()).collect();
+    if terms.is_empty() {
+        return None;
+    }
+    let mut design = without(intake, hums, cutoff)?;
+    let columns: Vec<_> = terms.iter().flat_map(|term| design.columns(term)).collect();
+    let mut basis = Basis::of(&design.baseline);
+    design.baseline.extend(columns.into_iter().filter(|column| basis.push(column)));
+    Some(design)
 }
 
 /// A delay of up to one sample between force and position is how the recording was made, not physics: it is fitted

@@ -45,6 +45,9 @@ const STROKE: Ladder = Ladder {
     first: &[SMOOTH, Fineness { knots: (48, 0), freedom: &[20, 36] }],
     besides: &[SMOOTHER, Fineness { knots: (64, 0), freedom: &[18, 28, 40, 55] }],
 };
+/// What a brake or a bent guide does to a viscous coefficient is shorter than the stroke, but no ripple.
+const GUIDE: Ladder =
+    Ladder { first: &[SMOOTH], besides: &[SMOOTHER, Fineness { knots: (48, 0), freedom: &[12, 18, 28] }] };
 const TIME: Ladder = Ladder {
     first: &[Fineness { knots: (20, 0), freedom: &[6, 13] }],
     besides: &[Fineness { knots: (32, 0), freedom: &[3, 4, 6, 9, 13, 18, 28] }],
@@ -196,7 +199,8 @@ impl Candidate {
             (None, None, Coordinate::Time) => &TIME,
             (None, None, Coordinate::Moved) => &RELAXES,
             (None, None, over) if is_cut(over) => &CUT,
-            (None, None, Coordinate::Position) if much && self.times != Factor::Velocity => &STROKE,
+            (None, None, Coordinate::Position) if much && self.times == Factor::Velocity => &GUIDE,
+            (None, None, Coordinate::Position) if much => &STROKE,
             (None, None, _) => &CURVE,
         }
     }
