@@ -124,13 +124,8 @@ impl Search<'_> {
         let residual = &from.fit.residual;
         // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
         // that is tried too short would need more than the whole force.
-        // two that move the whole force in time, one forward and one back, are a band-pass of the measured force: it would explain itself
-        let moved = from.atoms.iter().any(|a| a.term.kind.moves_in_time());
-        let beside = |atom: &&Atom| {
-            let kind = atom.term.kind;
-            !from.has(kind) && !(moved && kind.moves_in_time())
-        };
-        let testable = self.catalogue.testable().into_iter().filter(beside).collect();
+        let testable =
+            self.catalogue.testable().into_iter().filter(|atom| !from.has(atom.term.kind)).collect();
         let columns = Hypothesis::columns(self.design, &from.atoms);
         let last = columns.len();
         let overlap = Overlap::new(testable, &[&columns[..], &[residual.as_slice()]].concat());
@@ -164,8 +159,7 @@ impl Search<'_> {
                 later.filter_map(move |j| {
                     let ((alone_a, a), (alone_b, b)) = (ranked[i], ranked[j]);
                     let (a, b) = (overlap.atoms[a], overlap.atoms[b]);
-                    let (one, other) = (a.term.kind, b.term.kind);
-                    if one == other || one.moves_in_time() && other.moves_in_time() {
+                    if a.term.kind == b.term.kind {
                         return None;
                     }
                     let gain = both.captured(i, j);
