@@ -14,6 +14,11 @@ const SETTLED: usize = 4;
 /// Change of the force that acts, as a share of it, below which what was found with the old one stands.
 const SAME_FORCE: f64 = 0.003;
 
+/// Rounds in which a force follows that reads itself.
+const FOLLOWED: usize = 60;
+/// Change of a round, as a share of the force, after which it does.
+const FOLLOWS: f64 = 1e-4;
+
 /// What `found` says acts on the body: not what its channel shows beside.
 pub fn applied_force(design: &DesignMatrix, found: &Hypothesis) -> AppliedForce {
     let mut out = AppliedForce::baseline(design.physics(&found.fit.coefficients));
@@ -58,12 +63,39 @@ pub fn settle(search: &Search, found: &Hypothesis) -> Option<(DesignMatrix, Appl
         }
     }
     design.model_force(&acting);
-    let moved = |of: fn(f64, f64) -> f64| -> f64 {
-        let pairs = design.tracks.iter().zip(&search.design.tracks).flat_map(|(new, old)| {
-            new.force_model.iter().zip(&old.force_model).zip(&new.mask).map(|((n, o), m)| (m * n, m * o))
+    (moved(&design, &force(search.design)) >= SAME_FORCE).then_some((design, acting))
+}
+
+/// The force that acts, at every sample of every track.
+fn force(design: &DesignMatrix) -> Vec<Vec<f64>> {
+    design.tracks.iter().map(|t| t.force_model.clone()).collect()
+}
+
+/// Change of the force that acts, as a share of it, where the body slides.
+fn moved(new: &DesignMatrix, old: &[Vec<f64>]) -> f64 {
+    let sum = |of: fn(f64, f64) -> f64| -> f64 {
+        let pairs = new.tracks.iter().zip(old).flat_map(|(new, old)| {
+            new.force_model.iter().zip(old).zip(&new.mask).map(|((n, o), m)| (m * n, m * o))
         });
         pairs.map(|(new, old)| of(new, old).powi(2)).sum()
     };
-    let settled = moved(|new, old| new - old) < SAME_FORCE * SAME_FORCE * moved(|new, _| new);
-    (!settled).then_some((design, acting))
+    (sum(|new, old| new - old) / sum(|new, _| new).max(1e-300)).sqrt()
+}
+
+/// Root mean square error of the force that the terms of `found` read, and of the one that follows from `found` alone.
+pub fn read_and_followed(search: &Search, found: &Hypothesis) -> (f64, f64) {
+    let acting = applied_force(search.design, found);
+    let mut design = search.design.clone();
+    for _ in 0..FOLLOWED {
+        let before = force(&design);
+        design.model_force(&acting);
+        if moved(&design, &before) < FOLLOWS {
+            break;
+        }
+    }
+    let error = |of: &DesignMatrix| {
+        let force = of.rows(|t| t.pass(&t.force_model));
+        of.rms(force.iter().zip(&of.y).map(|(f, y)| (f - y).powi(2)).sum())
+    };
+    (error(search.design), error(&design))
 }

@@ -13,6 +13,7 @@ use crate::findings::locate::{row_motion, row_times};
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::term::TermKind;
 use crate::regression::linear::{solve, solve_with_leverage};
+use crate::search::applied_force::read_and_followed;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::joint::{Joint, at_end};
 use crate::search::judgement::Search;
@@ -210,7 +211,10 @@ pub fn left_out_errors<'r>(
 fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usize, Withdrawn)> {
     let bound = (0..found.atoms.len()).find_map(|i| {
         let kind = found.atoms[i].term.kind;
-        let symptom = || no_line(search, found, i).or_else(|| part_of_the_force(search, found, i));
+        let symptom = || {
+            let of_force = || part_of_the_force(search, found, i).or_else(|| another_force(search, found, i));
+            no_line(search, found, i).or_else(of_force)
+        };
         let regime = on_bound(search, found, i).or_else(symptom)?;
         Some((i, Withdrawn { kind, regime, rms: (f64::NAN, f64::NAN) }))
     });
@@ -410,6 +414,20 @@ fn part_of_the_force(search: &Search, found: &Hypothesis, i: usize) -> Option<St
     let (share, std) = transport::share(search, found, i)?;
     (share < 1.0 - SHORT && share + SURELY * std < 1.0)
         .then(|| format!("{:.0} % of the force moves in time, not all of it", 100.0 * share.max(0.0)))
+}
+
+/// Error of the force that follows from a model over that of the force that its terms read, from which on it is worse.
+const WORSE: f64 = 1.2;
+
+/// Whether term `i` reads the applied force, and the model makes another one: a friction that takes nearly all of the force for itself
+/// multiplies every error of the rest.
+fn another_force(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
+    let kind = found.atoms[i].term.kind;
+    (matches!(kind, TermKind::Force(_)) && kind.reads_force()).then_some(())?;
+    let (read, followed) = read_and_followed(search, found);
+    (followed > WORSE * read).then(|| {
+        format!("the force that follows is {:.1} times as far off as the one that it reads", followed / read)
+    })
 }
 
 /// Root mean square error of the first `baseline` columns and of `found` in the recording or the half of the time left out in

@@ -12,6 +12,7 @@ use plant::ThesisExperiment;
 use plant::materials::RUBBER;
 use proptest::prelude::*;
 use signals::{Geometry, Recording};
+use std::f64::consts::TAU;
 
 fn series(kind: SeriesKind, [one, two]: [f64; 2], shape: [f64; 2]) -> SeriesEffect {
     SeriesEffect { kind, gains: [one, two, 0.0, 0.0], shape }
@@ -54,6 +55,35 @@ fn a_free_form_adds_its_force() {
     let worst = (100..1900).map(|i| (with[i] - plain[i] - 40.0 * r.position[i]).abs()).fold(0.0, f64::max);
     println!("map within {worst:.1e} N");
     assert!(worst < 1e-3);
+}
+
+/// Of a share of nine tenths a prediction had 1.9 times what mass and law need, and where the force drives it is 10 times that.
+#[test]
+fn friction_that_is_a_share_of_the_force_was_no_share_of_what_overcomes_it() {
+    let r = moved(2000);
+    let effect =
+        Effect { kind: EffectKind::LoadDependentFriction, gains: [0.0, 0.9, 0.0, 0.0], shape: [0.0; 2] };
+    let ripple = Effect { kind: EffectKind::TorqueRipple, gains: [0.2, 0.0, 0.0, 0.0], shape: [0.02, 0.0] };
+    let heavy = Model { mass: 5.0, ..rubber() };
+    let plain = heavy.predict(&r).unwrap();
+    let with = Model { effects: vec![effect, ripple], ..heavy }.predict(&r).unwrap();
+    let mut worst = 0.0_f64;
+    let mut braked = 0;
+    for i in 100..1900 {
+        let v = r.position[i + 1] - r.position[i - 1];
+        // the model's own band of rest, and the sign of a derivative near zero
+        if v.abs() < 1e-4 || plain[i].abs() < 0.05 {
+            continue;
+        }
+        let drives = plain[i] * v > 0.0;
+        braked += usize::from(!drives);
+        // a force that brakes is helped by its friction
+        let share = if drives { 1.0 - 0.9 } else { 1.0 + 0.9 };
+        let ripples = 1.0 + 0.2 * (TAU * r.position[i] / 0.02).cos();
+        worst = worst.max((with[i] / (ripples * plain[i] / share) - 1.0).abs());
+    }
+    println!("within {worst:.1e}, {braked} samples braked");
+    assert!(worst < 3e-3 && braked > 200);
 }
 
 #[test]
