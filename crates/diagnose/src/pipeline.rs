@@ -143,8 +143,8 @@ pub fn diagnose_watched(
         origins = nuisance::origins(&first);
         intake.move_origins(&origins);
     }
-    let mut hums = hum::find(|found| without(&intake, found, cutoff), &intake.extra, cutoff, options.seed);
-    intake.take_out_hums(&hums);
+    let mut hums = hum::find(|found| quiet(&intake, found, cutoff), &intake.extra, cutoff, options.seed);
+    intake = intake.without_hums(&hums);
     let Some(design) = with_delay(&intake.stretches, cutoff, intake.reversals) else {
         return Ok(untestable(
             intake,
@@ -172,13 +172,15 @@ pub fn diagnose_watched(
         let mut named = naming::name_beside_columns(&intake, regression.clone(), cutoff, options, watch)?;
         // what was left out may have covered a hum
         if hums.is_empty() {
-            let beside = |found: &[Hum]| beside(&named, &intake, found, cutoff);
-            let covered = hum::find(beside, &intake.extra, cutoff, options.seed);
-            let mut quiet = intake.clone();
-            quiet.take_out_hums(&covered);
-            let design = (!covered.is_empty()).then(|| with_delay(&quiet.stretches, cutoff, quiet.reversals));
-            if let Some(again) = design.flatten().and_then(|design| Regression::new(design, options)) {
-                (intake, regression, hums) = (quiet, again, covered);
+            let fresh = |found: &[Hum]| quiet_beside(&named, &intake, found, cutoff);
+            let covered = hum::find(fresh, &intake.extra, cutoff, options.seed);
+            let without = intake.without_hums(&covered);
+            let again =
+                || Regression::new(with_delay(&without.stretches, cutoff, without.reversals)?, options);
+            if !covered.is_empty()
+                && let Some(again) = again()
+            {
+                (intake, regression, hums) = (without, again, covered);
                 continue;
             }
         }
@@ -214,20 +216,18 @@ pub fn diagnose_watched(
 }
 
 /// The design matrix without hums.
-fn without(intake: &Intake, hums: &[Hum], cutoff: f64) -> Option<DesignMatrix> {
-    let mut quiet = intake.clone();
-    quiet.take_out_hums(hums);
-    DesignMatrix::new(&quiet.stretches, cutoff, quiet.reversals, false)
+fn quiet(intake: &Intake, hums: &[Hum], cutoff: f64) -> Option<DesignMatrix> {
+    DesignMatrix::new(&intake.without_hums(hums).stretches, cutoff, intake.reversals, false)
 }
 
 /// The same with what was found in its baseline, but for what follows the whole force: that holds a part of a hum itself.
-fn beside(named: &Named, intake: &Intake, hums: &[Hum], cutoff: f64) -> Option<DesignMatrix> {
+fn quiet_beside(named: &Named, intake: &Intake, hums: &[Hum], cutoff: f64) -> Option<DesignMatrix> {
     let terms: Vec<_> =
         named.found.atoms.iter().map(|a| a.term).filter(|term| !term.kind.needs_force()).collect();
     if terms.is_empty() {
         return None;
     }
-    let mut design = without(intake, hums, cutoff)?;
+    let mut design = quiet(intake, hums, cutoff)?;
     let columns: Vec<_> = terms.iter().flat_map(|term| design.columns(term)).collect();
     let mut basis = Basis::of(&design.baseline);
     design.baseline.extend(columns.into_iter().filter(|column| basis.push(column)));

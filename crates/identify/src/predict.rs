@@ -145,17 +145,20 @@ impl Model {
     /// force is a share of what overcomes it, too.
     fn applied(&self, memory: &mut Memory, step: &Motion<f64>, carried: f64) -> f64 {
         let reads_force = |e: &Effect<f64>| e.kind.about().reads(Quantity::Force);
-        let rounds = if self.effects.iter().any(reads_force) { ROUNDS } else { 1 };
-        let before = memory.clone();
         let mut applied = carried;
-        for _ in 0..rounds {
-            memory.clone_from(&before);
-            let next = carried + self.beside(memory, &Motion { applied, ..*step });
-            let change = (next - applied).abs();
-            applied = next;
-            if change <= SETTLED * applied.abs() {
-                break;
+        if self.effects.iter().any(reads_force) {
+            let before = memory.clone();
+            for _ in 0..ROUNDS {
+                memory.clone_from(&before);
+                let next = carried + self.beside(memory, &Motion { applied, ..*step });
+                let change = (next - applied).abs();
+                applied = next;
+                if change <= SETTLED * applied.abs() {
+                    break;
+                }
             }
+        } else {
+            applied += self.beside(memory, &Motion { applied, ..*step });
         }
         applied + self.on_force(memory, &Motion { applied, ..*step })
     }

@@ -80,14 +80,16 @@ impl Intake {
 }
 
 impl Intake {
-    /// Takes forces that repeat in time out of the force channel.
-    pub fn take_out_hums(&mut self, hums: &[Hum]) {
-        for s in &mut self.stretches {
+    /// The same without forces that repeat in time.
+    pub fn without_hums(&self, hums: &[Hum]) -> Self {
+        let mut out = self.clone();
+        for s in &mut out.stretches {
             for (i, f) in s.force.iter_mut().enumerate() {
                 let time = s.start + i as f64 * s.dt;
                 *f -= hums.iter().map(|h| h.force(s.recording, time)).sum::<f64>();
             }
         }
+        out
     }
 }
 

@@ -22,6 +22,8 @@ use crate::search::transport;
 use friction::effects::Scale;
 use signals::{Basis, dot, quantile};
 use std::borrow::Borrow;
+use std::cell::LazyCell;
+use std::ops::Deref;
 
 /// Rows of one kind of motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -209,11 +211,13 @@ pub fn left_out_errors<'r>(
 
 /// The term that lasts least, none where all do.
 fn worst(search: &Search, found: &Hypothesis, regimes: &[Regime]) -> Option<(usize, Withdrawn)> {
+    let forces = LazyCell::new(|| read_and_followed(search, found));
     let bound = (0..found.atoms.len()).find_map(|i| {
         let kind = found.atoms[i].term.kind;
         let symptom = || {
-            let of_force = || part_of_the_force(search, found, i).or_else(|| another_force(search, found, i));
-            no_line(search, found, i).or_else(of_force)
+            no_line(search, found, i)
+                .or_else(|| part_of_the_force(search, found, i))
+                .or_else(|| another_force(kind, &forces))
         };
         let regime = on_bound(search, found, i).or_else(symptom)?;
         Some((i, Withdrawn { kind, regime, rms: (f64::NAN, f64::NAN) }))
@@ -419,12 +423,11 @@ fn part_of_the_force(search: &Search, found: &Hypothesis, i: usize) -> Option<St
 /// Error of the force that follows from a model over that of the force that its terms read, from which on it is worse.
 const WORSE: f64 = 1.2;
 
-/// Whether term `i` reads the applied force, and the model makes another one: a friction that takes nearly all of the force for itself
-/// multiplies every error of the rest.
-fn another_force(search: &Search, found: &Hypothesis, i: usize) -> Option<String> {
-    let kind = found.atoms[i].term.kind;
+/// Whether an effect reads the applied force, and the model makes another one, whose error `forces` has beside that of the one read: a
+/// friction that takes nearly all of the force for itself multiplies every error of the rest.
+fn another_force(kind: TermKind, forces: &impl Deref<Target = (f64, f64)>) -> Option<String> {
     (matches!(kind, TermKind::Force(_)) && kind.reads_force()).then_some(())?;
-    let (read, followed) = read_and_followed(search, found);
+    let (read, followed) = **forces;
     (followed > WORSE * read).then(|| {
         format!("the force that follows is {:.1} times as far off as the one that it reads", followed / read)
     })
