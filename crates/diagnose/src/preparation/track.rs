@@ -16,9 +16,9 @@ use signals::{
     four_point_difference, noise_std, quantile, soften,
 };
 
-/// Cycles of a filter that are set aside beside a reversal of a body whose speed is derived from its position, in place of
+/// Cycles of a filter that are set aside beside a reversal of a body whose speed there is derived from its position, in place of
 /// [`SMEARED`]. What is smeared farther than that the filter takes out: a third as sharp, it leaves a hundredth of it. A
-/// velocity that a drive measures is late and held where pulses are rare, and no filter takes that out.
+/// velocity that a drive measures may be late and held, and no filter takes that out.
 const DERIVED: f64 = 0.25;
 
 /// Least speed beside a stop that is over before it shows in an average, and largest mean speed within it, in guards.
@@ -83,22 +83,23 @@ pub struct Track {
     pub noise: Noise,
 }
 
-/// Weights of sources by their noise, summing to one.
-fn weights(noise: &[f64]) -> Vec<f64> {
-    let information: Vec<f64> = noise.iter().map(|s| 1.0 / (s * s).max(1e-300)).collect();
-    let sum: f64 = information.iter().sum();
-    information.iter().map(|i| i / sum).collect()
+/// A series with the standard deviation of its noise, and the share with which it counts at a sample.
+struct Source<'a> {
+    series: Vec<f64>,
+    std: f64,
+    share: Option<&'a [f64]>,
 }
 
-fn combine(sources: &[(Vec<f64>, f64)]) -> Vec<f64> {
-    let w = weights(&sources.iter().map(|s| s.1).collect::<Vec<_>>());
-    let mut out = vec![0.0; sources[0].0.len()];
-    for ((series, _), w) in sources.iter().zip(w) {
-        for (o, s) in out.iter_mut().zip(series) {
-            *o += w * s;
-        }
-    }
-    out
+/// The mean of the sources by what they tell.
+fn combine(sources: &[Source]) -> Vec<f64> {
+    let at = |i: usize| {
+        let told = sources
+            .iter()
+            .map(|s| (s.share.map_or(1.0, |share| share[i]) / (s.std * s.std).max(1e-300), s.series[i]));
+        let (sum, of) = told.fold((0.0, 0.0), |(sum, of), (told, x)| (sum + told * x, of + told));
+        sum / of
+    };
+    (0..sources[0].series.len()).map(at).collect()
 }
 
 impl Track {
@@ -121,21 +122,22 @@ impl Track {
         let x = sharp(&raw.position);
         let f = sharp(&raw.force);
         let slope = central_difference(&x, dt);
-
-        let mut velocities = vec![(slope, noise.position * differentiated(1, sharper, dt))];
+        let behind = |std: f64, order: i32, cutoff: f64| std * differentiated(order, cutoff, dt);
+        let in_time =
+            (raw.late_below > 0.0).then(|| in_time(&slope, raw.late_below, samples(SMEARED, sharper, dt)));
+        let share = in_time.as_deref();
+        let source = |series: Vec<f64>, std: f64| Source { series, std, share: None };
+        let mut accelerations = vec![source(rate(&rate(&x)), behind(noise.position, 2, cutoff))];
+        let mut velocities = vec![source(slope, behind(noise.position, 1, sharper))];
         if let Some(column) = &raw.velocity {
-            velocities.push((sharp(column), noise_std(column) * differentiated(0, sharper, dt)));
-        }
-        let v = combine(&velocities);
-        let mut accelerations = vec![(rate(&rate(&x)), noise.position * differentiated(2, cutoff, dt))];
-        if let Some(column) = &raw.velocity {
-            let a = rate(&sharp(column));
-            accelerations.push((a, noise_std(column) * differentiated(1, cutoff, dt)));
+            let (v, std) = (sharp(column), noise_std(column));
+            accelerations.push(Source { series: rate(&v), std: behind(std, 1, cutoff), share });
+            velocities.push(Source { series: v, std: behind(std, 0, sharper), share });
         }
         if let Some(column) = &raw.acceleration {
-            accelerations.push((sharp(column), noise_std(column) * differentiated(0, cutoff, dt)));
+            accelerations.push(source(sharp(column), behind(noise_std(column), 0, cutoff)));
         }
-        let a = combine(&accelerations);
+        let (v, a) = (combine(&velocities), combine(&accelerations));
 
         let n = x.len();
         let settle = filter.settle().min(n / 4);
@@ -208,7 +210,8 @@ impl Track {
 
     /// Cycles of a filter that are set aside beside a reversal.
     fn beside(&self) -> f64 {
-        if self.reversals.wide || self.raw.velocity.is_some() { SMEARED } else { DERIVED }
+        let measured = self.raw.velocity.is_some() && self.raw.late_below == 0.0;
+        if self.reversals.wide || measured { SMEARED } else { DERIVED }
     }
 
     /// `sharper` is the cut-off behind which the velocity was taken, Hz.
@@ -390,6 +393,14 @@ impl Track {
         };
         [self.a.clone(), by(true, false), by(false, false), by(true, true), by(false, true)]
     }
+}
+
+/// Share with which a velocity counts that is late below a speed: 0 there and `around` it, 1 from twice that speed on.
+fn in_time(slope: &[f64], late_below: f64, around: usize) -> Vec<f64> {
+    let slow: Vec<f64> = slope.iter().map(|v| (v.abs() / late_below - 1.0).clamp(0.0, 1.0)).collect();
+    let mut share = slow.clone();
+    soften(&mut share, around);
+    share.iter().zip(slow).map(|(a, b)| a.min(b)).collect()
 }
 
 /// Samples, `dt` seconds apart, in some cycles of a filter at `cutoff` Hz.

@@ -19,6 +19,8 @@ pub struct Channels {
     pub position: Vec<f64>,
     /// Measured velocity, m/s or rad/s, where the recording has one that is to be trusted.
     pub velocity: Option<Vec<f64>>,
+    /// Speed below which the measured velocity is late, m/s or rad/s; 0 where it is late nowhere.
+    pub late_below: f64,
     /// Measured acceleration, m/s² or rad/s², likewise.
     pub acceleration: Option<Vec<f64>>,
     /// Force, N or N·m.
@@ -43,6 +45,7 @@ impl Channels {
             start: self.start + range.start as f64 * self.dt,
             position: self.position[range.clone()].to_vec(),
             velocity: of(&self.velocity),
+            late_below: self.late_below,
             acceleration: of(&self.acceleration),
             force: self.force[range.clone()].to_vec(),
             normal: of(&self.normal),
@@ -59,6 +62,7 @@ impl Channels {
             start: recording.time[stretch.range.start],
             position: grid(&recording.position),
             velocity: recording.velocity.as_ref().map(grid),
+            late_below: 0.0,
             acceleration: recording.acceleration.as_ref().map(grid),
             force: grid(&recording.force),
             normal: recording.normal_force.as_ref().map(grid),
@@ -100,6 +104,7 @@ impl Channels {
             start: self.start,
             position: part(&self.position),
             velocity: self.velocity.as_ref().map(part),
+            late_below: self.late_below,
             acceleration: self.acceleration.as_ref().map(part),
             force: part(&self.force),
             normal: self.normal.as_ref().map(part),

@@ -66,10 +66,12 @@ struct White {
 impl White {
     fn of(channels: &Channels) -> Self {
         let column = |c: &Option<Vec<f64>>| c.as_ref().map(|c| noise_std(c).max(1e-300));
+        // what is late where the body is slow tells nothing of it there
+        let everywhere = |_: &f64| channels.late_below == 0.0;
         Self {
             dt: channels.dt,
             position: noise_std(&channels.position),
-            velocity: column(&channels.velocity),
+            velocity: column(&channels.velocity).filter(everywhere),
             acceleration: column(&channels.acceleration),
             force: noise_std(&channels.force),
         }

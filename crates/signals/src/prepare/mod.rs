@@ -10,6 +10,7 @@ mod cutoff;
 mod encoder_wave;
 mod late;
 mod one_way;
+mod pulses;
 mod report;
 mod wave;
 
@@ -28,6 +29,7 @@ use crate::{
     central_difference, dot, jumps, regressed, without_outliers,
 };
 use friction::Dimension;
+use pulses::LateWhereSlow;
 use report::Found;
 
 /// Lag of a column, in samples, that is undone; a later one is left out.
@@ -102,7 +104,8 @@ impl Prepared {
 }
 
 /// Prepares a recording: [`audit`], [`without_outliers`], [`bridged`]; stretches on an even grid; a wave on the encoder
-/// taken off; a velocity column advanced by its lag, or left out where it is not the derivative of the position; an
+/// taken off; a velocity column advanced by its lag, or left out where it is not the derivative of the position, and the speed below
+/// which it is later than elsewhere; an
 /// acceleration column scaled and shifted to agree with it, advanced or its low-pass undone, or left out where it does not
 /// follow it.
 ///
@@ -267,6 +270,11 @@ impl Prepared {
                 self.mend_late("velocity", &column, LATE_VELOCITY, dt, late::velocity, |s| s.velocity = None);
             if is_late && !column.is_backward_difference(dt) {
                 self.late_velocity = Some(column);
+            }
+            if let Some(slow) = LateWhereSlow::of(&self.channels) {
+                let why = slow.says(self.geometry);
+                self.faults.push(RecordingFault::new(FaultKind::HiddenFilter, None, why));
+                self.channels.iter_mut().for_each(|s| s.late_below = slow.below);
             }
         }
         if !velocity.is_some_and(|c| c.is_the_derivative()) {
