@@ -5,7 +5,7 @@ use diagnose::{Diagnosis, Options, diagnose};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use signals::Recording;
+use signals::{FaultKind, Recording};
 use std::f64::consts::{PI, TAU};
 
 const DT: f64 = 1e-3;
@@ -182,5 +182,22 @@ fn a_velocity_of_pulses_was_late_beside_reversals() {
         println!("seed {seed}, accelerometer {accelerometer}: {names:?}, {x_s:?}");
         assert_eq!(names, ["presliding"]);
         assert!(x_s.is_some_and(|x_s| (x_s / 4.5e-5 - 1.0).abs() < 0.2));
+    }
+}
+
+/// A straight line was taken out, and a saw tooth over the time was left.
+#[test]
+fn a_load_cell_that_was_knocked_drifted() {
+    for seed in [1, 2] {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let hand = Hand::strokes(&mut random);
+        let mut recording = moved_by(&hand, 4.5e-5, 0.0, &mut random);
+        recording.force[16_500..].iter_mut().for_each(|f| *f += 0.09);
+        let d = answer(&recording);
+        let unnamed = d.missing.iter().find(|m| m.effect == "unnamed");
+        let drifts = d.recording_faults.iter().any(|f| f.kind == FaultKind::ForceDrift);
+        println!("seed {seed}: drifts {drifts}, {:?}", unnamed.map(|m| &m.says));
+        assert!(!drifts && unnamed.is_some_and(|m| m.says.starts_with("a force that changes by 0.0")));
+        assert_eq!(d.missing.len(), 2);
     }
 }

@@ -2,16 +2,21 @@
 //! asking for the direction is the amplifier's, and friction that changes with time is not.
 //!
 //! The straight line in time is fitted jointly with the baseline, forces along the stroke of either kind, and friction
-//! that changes with time: what is left to the line is what none of them can have made.
+//! that changes with time: what is left to the line is what none of them can have made. A zero that steps once, as that of a load
+//! cell that was knocked does, is no drift: a line would leave a saw tooth of it.
 
 use crate::library::design_matrix::DesignMatrix;
 use crate::preparation::track::Track;
 use crate::regression::linear::{FOLDS, fit};
+use signals::{Basis, dot};
 
 /// Slope over its standard deviation that counts.
 const MIN_T_STATISTIC: f64 = 5.0;
 /// Root mean square of the line over the noise floor that matters.
 const MATTERS: f64 = 0.3;
+
+/// Moments at which the zero may step instead, evenly over the recording.
+const MOMENTS: u32 = 64;
 
 /// The drift of one recording's force channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,10 +61,21 @@ fn of(design: &DesignMatrix, recording: usize) -> Option<Drift> {
     let noise =
         design.tracks.iter().map(|t| t.noise.force * t.filter.white_gain(t.stride)).fold(0.0, f64::max);
     let matters = slope.0.abs() * duration / 12f64.sqrt() > MATTERS * noise;
-    (slope.0.abs() > MIN_T_STATISTIC * slope.1 && matters).then_some(Drift {
-        recording,
-        slope,
-        middle,
-        duration,
-    })
+    if !matters || slope.0.abs() <= MIN_T_STATISTIC * slope.1 {
+        return None;
+    }
+    let line = columns.remove(5);
+    let basis = Basis::of(&columns);
+    let left = basis.project_out(&design.y);
+    let explained = |column: &[f64]| {
+        let own = basis.project_out(column);
+        dot(&own, &left).powi(2) / dot(&own, &own).max(1e-300)
+    };
+    let by_line = explained(&line);
+    let steps_once = (1..MOMENTS).any(|k| {
+        let moment = from + duration * f64::from(k) / f64::from(MOMENTS);
+        let step = |t: &Track, i: usize| if own(t) && t.time(i) > moment { 1.0 } else { 0.0 };
+        explained(&column(&step)) > by_line
+    });
+    (!steps_once).then_some(Drift { recording, slope, middle, duration })
 }
