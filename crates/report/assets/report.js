@@ -30,6 +30,29 @@
     return values.map(function (v) { return v.toFixed(decimals).replace("-", "−"); });
   }
 
+  // uPlot's own logarithmic axis takes whole decades, and fails on some spans
+  var logarithmic = { time: false, distr: 100, fwd: Math.log10, bwd: function (v) { return Math.pow(10, v); },
+    range: function (u, lo, hi) { return [lo, hi]; } };
+
+  function decades(u, axis, lo, hi) {
+    var splits = [], narrow = hi < 100 * lo;
+    for (var exponent = Math.floor(Math.log10(lo)); Math.pow(10, exponent) <= hi; exponent++) {
+      (narrow ? [1, 2, 5] : [1]).forEach(function (d) {
+        var v = Number(d + "e" + exponent);
+        if (v >= lo && v <= hi) splits.push(v);
+      });
+    }
+    return splits;
+  }
+
+  function powers(u, values) {
+    return values.map(function (v) {
+      // where there is no room uPlot asks for no label
+      if (v === null) return null;
+      return v >= .01 && v < 1e4 ? String(v) : v.toExponential(0).replace(/-/g, "−").replace("+", "");
+    });
+  }
+
   function series(s) {
     var paint = function () { return colour(s.color); };
     var line = { label: s.label, stroke: paint, width: s.width, spanGaps: s.span_gaps };
@@ -70,7 +93,7 @@
         drag: { x: true, y: false, setScale: true },
         points: { show: false }
       },
-      scales: { x: { time: false }, y: { range: function (u, lo, hi) {
+      scales: { x: spec.log ? logarithmic : { time: false }, y: { range: function (u, lo, hi) {
         if (lo === null || !isFinite(lo) || !isFinite(hi)) return [-1, 1];
         if (lo === hi) { var pad = Math.abs(lo) || 1; return [lo - pad, hi + pad]; }
         var room = .06 * (hi - lo);
@@ -78,7 +101,7 @@
       } } },
       axes: [
         { stroke: function () { return colour("soft"); }, grid: { stroke: function () { return colour("grid"); }, width: 1 },
-          ticks: { show: false }, values: ticks, label: spec.x, labelSize: 22, size: 30, space: 62, font: "12px system-ui, sans-serif",
+          ticks: { show: false }, splits: spec.log ? decades : undefined, values: spec.log ? powers : ticks, label: spec.x, labelSize: 22, size: 30, space: 62, font: "12px system-ui, sans-serif",
           labelFont: "12.5px system-ui, sans-serif" },
         { stroke: function () { return colour("soft"); }, grid: { stroke: function () { return colour("grid"); }, width: 1 },
           ticks: { show: false }, values: ticks, size: 54, space: 34, font: "12px system-ui, sans-serif" }
@@ -94,7 +117,9 @@
           ctx.clip();
           ctx.fillStyle = colour("where");
           spec.regions.forEach(function (r) {
-            var from = u.valToPos(r[0], "x", true), to = u.valToPos(r[1], "x", true);
+            // a logarithmic axis has no zero
+            var least = spec.log ? u.scales.x.min : r[0];
+            var from = u.valToPos(Math.max(r[0], least), "x", true), to = u.valToPos(Math.max(r[1], least), "x", true);
             ctx.fillRect(from, box.top, Math.max(to - from, 2 * devicePixelRatio), box.height);
           });
           ctx.restore();

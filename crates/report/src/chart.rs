@@ -60,6 +60,8 @@ pub(crate) struct Chart {
     region_label: Option<String>,
     height: u32,
     sync: Option<&'static str>,
+    /// The axis of x is logarithmic.
+    log: bool,
 }
 
 impl Chart {
@@ -77,6 +79,7 @@ impl Chart {
             region_label: None,
             height: 300,
             sync: None,
+            log: false,
         }
     }
 
@@ -88,6 +91,15 @@ impl Chart {
     /// Charts with the same key share their cursor.
     pub(crate) fn sync(mut self, key: &'static str) -> Self {
         self.sync = Some(key);
+        self
+    }
+
+    /// A logarithmic axis of x, where all of x is above zero and half of it within a quarter of the axis.
+    pub(crate) fn log_where_crowded(mut self) -> Self {
+        let x = &self.x;
+        let [first, middle, last] =
+            [x.first(), x.get(x.len() / 2), x.last()].map(|x| x.copied().unwrap_or(0.0));
+        self.log = first > 0.0 && middle - first < 0.25 * (last - first);
         self
     }
 
@@ -191,7 +203,7 @@ impl Chart {
             })
             .collect();
         json!({ "id": id, "x": self.x_label, "height": self.height, "series": series, "bands": self.bands,
-                "regions": self.regions, "sync": self.sync, "data": data })
+                "regions": self.regions, "sync": self.sync, "log": self.log, "data": data })
     }
 }
 
@@ -278,6 +290,15 @@ mod tests {
         assert_eq!(t.len(), c[0].len());
         assert!(t.len() <= MAX_POINTS && t.windows(2).all(|w| w[0] < w[1]));
         assert!(c[0].contains(&9.0) && c[0].contains(&-7.0));
+    }
+
+    #[test]
+    fn what_happened_beside_a_reversal_was_one_vertical_line() {
+        let log = |x: Vec<f64>| Chart::new("", "", x).log_where_crowded().spec("f1")["log"].as_bool();
+        let distance: Vec<f64> = (0..24).map(|i| 1e-4 * 1.3_f64.powi(i)).collect();
+        let time: Vec<f64> = (1..24).map(f64::from).collect();
+        let both_ways = distance.iter().rev().map(|x| -x).chain(distance.clone()).collect();
+        assert_eq!([distance, time, both_ways, Vec::new()].map(log), [true, false, false, false].map(Some));
     }
 
     #[test]

@@ -222,6 +222,7 @@ fn residual_over(curve: &Curve, d: &Diagnosis, height: u32) -> Chart {
         .collect();
     let mut chart = Chart::new(title, x_label, column(|b| b.at))
         .height(height)
+        .log_where_crowded()
         .band("95 % band", column(|b| b.band))
         .series("before", Ink::Before, Stroke::Both, column(|b| b.before));
     if !d.missing.is_empty() {
