@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use signals::files::reason;
 use std::io::{Read, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 use tribos_firmware::{VirtualConfig, VirtualDevice};
 
@@ -31,13 +32,24 @@ pub struct Port {
     port: Box<dyn serialport::SerialPort>,
 }
 
+/// How long a port that is in use is waited for: a program that has just ended may still be letting go of it.
+const RELEASE: Duration = Duration::from_millis(500);
+const PAUSE: Duration = Duration::from_millis(20);
+
 impl Port {
     /// Opens `name` at 921 600 baud.
     ///
     /// # Errors
     /// The port does not exist or is in use; the message lists the existing ports.
     pub fn open(name: &str) -> Result<Self> {
-        let port = serialport::new(name, 921_600).timeout(Duration::from_millis(5)).open().map_err(|e| {
+        let begun = Instant::now();
+        let open = || serialport::new(name, 921_600).timeout(Duration::from_millis(5)).open();
+        let mut opened = open();
+        while opened.is_err() && Path::new(name).exists() && begun.elapsed() < RELEASE {
+            std::thread::sleep(PAUSE);
+            opened = open();
+        }
+        let port = opened.map_err(|e| {
             let ports = serialport::available_ports().unwrap_or_default();
             Error::Port {
                 port: name.to_owned(),

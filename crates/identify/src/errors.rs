@@ -24,4 +24,6 @@ pub(crate) struct Variances {
     pub velocity: f64,
     /// (m/s²)².
     pub acceleration: f64,
+    /// Of the rate of the force, (N/s)².
+    pub force_rate: f64,
 }

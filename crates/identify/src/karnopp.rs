@@ -5,6 +5,10 @@
 //! - which samples slide, and which way, is asked of a smoothed velocity, not of the sample's own noisy one;
 //! - the S of [thesis, eq. 3.9] counts the error of a velocity only on the samples where its column is not zero by
 //!   construction. Printed, S = diag(var a, 0, var v, 0, var v) corrects each direction for the errors of both.
+//!
+//! A force channel that is behind the position by τ shows m a + b v of τ ago: b·τ is missing in the mass, and a part of the mass is
+//! taken for viscous friction. Up to a sample of delay is how a recording is made; it is fitted with everything else, by the first term
+//! of its series, −τ dF/dt, where it shows.
 
 use crate::Signals;
 use crate::errors::Errors;
@@ -14,7 +18,7 @@ use crate::ready::Ready;
 use crate::static_level::{LowSpeed, StaticLevels};
 use friction::Dimension;
 use friction::effects::Parameter;
-use friction::parameters::{COULOMB_N, COULOMB_P, MASS, OFFSET, VISCOUS_N, VISCOUS_P};
+use friction::parameters::{COULOMB_N, COULOMB_P, DELAY, MASS, OFFSET, VISCOUS_N, VISCOUS_P};
 use signals::{Error, noise_variance};
 use std::collections::BTreeMap;
 
@@ -37,6 +41,7 @@ enum Column {
     Coulomb(Way),
     Viscous(Way),
     Offset,
+    Delay,
 }
 
 /// Directions that a column stands for.
@@ -59,6 +64,7 @@ impl Column {
             Self::Viscous(Way::Negative) => &[VISCOUS_N],
             Self::Viscous(Way::Both) => &[VISCOUS_P, VISCOUS_N],
             Self::Offset => &[OFFSET],
+            Self::Delay => &[DELAY],
         }
     }
 
@@ -85,6 +91,8 @@ const SYMMETRIC: [Column; 4] =
 const FIRST_BAND: f64 = 0.25;
 /// Share of the top speed below which samples are excluded where Δv stays unknown.
 const BLIND_BAND: f64 = 0.1;
+/// Standard errors from which on a delay of the force is fitted.
+const LATE: f64 = 5.0;
 /// Share of a row that must be from sliding samples.
 const PRESENT: f64 = 0.5;
 
@@ -122,8 +130,8 @@ pub fn identify_karnopp(signals: &Signals, options: &KarnoppOptions) -> Result<I
     let fastest = ready.velocity.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let resolution = (3.0 * ready.velocity_std).max(1e-3 * fastest);
     // First with a band that is surely wide enough, to know sliding friction and with it the step to static.
-    let first = Rows::new(&ready, FIRST_BAND * fastest, options.symmetric);
-    let levels = first.solve().map_or_else(StaticLevels::default, |s| first.static_levels(&ready, &s));
+    let (first, solution) = Rows::new(&ready, FIRST_BAND * fastest, options.symmetric).solved(&ready);
+    let levels = solution.map_or_else(StaticLevels::default, |s| first.static_levels(&ready, &s));
     let band = match (options.delta_v, levels.delta_v) {
         (Some(dv), _) => dv,
         // As published: no sample is excluded where the preprocessing decimates.
@@ -132,8 +140,7 @@ pub fn identify_karnopp(signals: &Signals, options: &KarnoppOptions) -> Result<I
         // Where the step from static to sliding is not seen (a filter blurs it), the band is wide enough to hold one.
         (None, None) => resolution.max(BLIND_BAND * fastest),
     };
-    let rows = Rows::new(&ready, band, options.symmetric);
-    let solution = rows.solve();
+    let (rows, solution) = Rows::new(&ready, band, options.symmetric).solved(&ready);
     Ok(Report { ready: &ready, options, rows: &rows, levels, band, fastest }.identification(solution))
 }
 
@@ -144,6 +151,10 @@ struct Rows {
     at: Vec<usize>,
     errors: Vec<f64>,
     symmetric: bool,
+    /// What a delay of the force adds per second, and the variance of its error.
+    late: Option<(Vec<f64>, f64)>,
+    /// The delay is the last column.
+    is_late: bool,
 }
 
 impl Rows {
@@ -185,13 +196,44 @@ impl Rows {
                 vec![var_a, 0.0, var_v * shares[0], 0.0, var_v * shares[1]],
             )
         };
+        let late = signals.late().map(|late| (pick(rows(&|i| late[i])), ready.errors.force_rate * all));
         Self {
             columns,
             target: pick(rows(&|i| signals.force[i])),
             at: pick_numbers(&ready.at, &kept),
             errors,
             symmetric,
+            late,
+            is_late: false,
         }
+    }
+
+    /// Its columns.
+    fn regressors(&self) -> impl Iterator<Item = Column> {
+        let sliding = if self.symmetric { &SYMMETRIC[..] } else { &ASYMMETRIC };
+        sliding.iter().copied().chain(self.is_late.then_some(Column::Delay))
+    }
+
+    /// Solves with a delay of the force where one shows that is no longer than a sample, and costs no parameter: a longer one is a fault
+    /// of the recording, and on a single sine a delay is a combination of mass and viscous friction.
+    fn solved(mut self, ready: &Ready<'_>) -> (Self, Option<Solution>) {
+        let without = self.solve();
+        let (Some(known), Some((late, error))) = (&without, self.late.take()) else { return (self, without) };
+        self.columns.push(late);
+        self.errors.push(error);
+        self.is_late = true;
+        let delayed = self.solve().filter(|s| {
+            let last = self.columns.len() - 1;
+            let (delay, std) = (s.coefficients[last].abs(), s.covariance[(last, last)].sqrt());
+            s.dropped == known.dropped && delay > LATE * std && delay - 3.0 * std <= ready.dt
+        });
+        if delayed.is_some() {
+            return (self, delayed);
+        }
+        self.columns.pop();
+        self.errors.pop();
+        self.is_late = false;
+        (self, without)
     }
 
     fn solve(&self) -> Option<Solution> {
@@ -254,8 +296,8 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn columns(&self) -> &'static [Column] {
-        if self.rows.symmetric { &SYMMETRIC } else { &ASYMMETRIC }
+    fn columns(&self) -> Vec<Column> {
+        self.rows.regressors().collect()
     }
 
     fn identification(&self, solution: Option<Solution>) -> Identification {
@@ -379,7 +421,7 @@ impl Report<'_> {
             .into(),
             Dropped::Collinear(others) => {
                 let others: Vec<&str> =
-                    others.iter().filter_map(|k| self.columns().get(*k)).map(|c| c.name()).collect();
+                    others.iter().filter_map(|k| self.columns().get(*k).copied()).map(Column::name).collect();
                 format!("on this motion it cannot be told from {}", others.join(" and "))
             }
             Dropped::Noise(share) => format!(

@@ -5,7 +5,7 @@
 
 use crate::Identification;
 use friction::effects::{About, Effect, EffectKind, SeriesEffect};
-use friction::parameters::OFFSET;
+use friction::parameters::{DELAY, OFFSET};
 use friction::{Coulomb, Dahl, Dimension, FreeForm, FrictionLaw, Invalid, Karnopp, Law, in_range};
 use signals::Geometry;
 use std::collections::BTreeMap;
@@ -175,7 +175,11 @@ impl From<&Identification> for Model {
             geometry: if rotary { Geometry::Rotary } else { Geometry::Linear },
             mass: of("mass").unwrap_or(0.0).max(0.0),
             law,
-            nuisances: Nuisances { offset: of(OFFSET.name).unwrap_or(0.0), ..Nuisances::default() },
+            nuisances: Nuisances {
+                offset: of(OFFSET.name).unwrap_or(0.0),
+                delay_s: of(DELAY.name).unwrap_or(0.0),
+                ..Nuisances::default()
+            },
             std: found
                 .parameters
                 .iter()

@@ -197,6 +197,17 @@ impl Signals {
         &self.force_full
     }
 
+    /// What a delay of the force adds to it per second; None where a published procedure knows of no delay.
+    pub(crate) fn late(&self) -> Option<Vec<f64>> {
+        let Some(RowFilter::LowPass(_)) = self.rows.filter else { return None };
+        let mut late = vec![0.0; self.len()];
+        for range in self.ranges() {
+            let rate = four_point_difference(&self.force_full[range.clone()], self.dt);
+            late[range].iter_mut().zip(rate).for_each(|(late, rate)| *late = -rate);
+        }
+        Some(late)
+    }
+
     /// The motion without the filter, with an acceleration whose error is about `tolerated`, m/s² or rad/s².
     pub(crate) fn unfiltered(&self, tolerated: f64) -> Unfiltered {
         motion(self.len(), &self.stretches, &self.channels, tolerated)
@@ -345,8 +356,8 @@ fn emps(signals: &mut Signals) -> Result<(), Error> {
             })
     };
     signals.errors = (
-        Variances { velocity: gain(1, false), acceleration: gain(2, false) },
-        Variances { velocity: gain(1, true), acceleration: gain(2, true) },
+        Variances { velocity: gain(1, false), acceleration: gain(2, false), force_rate: 0.0 },
+        Variances { velocity: gain(1, true), acceleration: gain(2, true), force_rate: 0.0 },
     );
     signals.rows =
         Rows { filter: Some(RowFilter::Published(decimation, 24)), drop_first: 49, trim: 0, decimation: 10 };
@@ -386,6 +397,7 @@ fn thesis(recording: &Recording, signals: &mut Signals) -> Result<(), Error> {
     let errors = Variances {
         velocity: noise_variance(&signals.velocity),
         acceleration: noise_variance(&signals.acceleration),
+        force_rate: 0.0,
     };
     signals.errors = (errors, errors);
     signals.description = format!("as in the thesis: measured velocity and acceleration, no filter; {said}");
@@ -422,6 +434,8 @@ fn tribos(signals: &mut Signals, asked: bool) -> Result<(), Error> {
         velocity: longest.velocity.as_deref().map(noise_variance),
         acceleration: longest.acceleration.as_deref().map(noise_variance),
     };
+    // its rate is derived as a velocity is from a position
+    let force = Sources { dt, position: noise_variance(&longest.force), velocity: None, acceleration: None };
     let rows = LowPass::new(cutoff, dt);
     let wide = LowPass::new(WIDER * cutoff, dt);
     let (_, velocity_from) = noise.velocity(&wide);
@@ -451,10 +465,12 @@ fn tribos(signals: &mut Signals, asked: bool) -> Result<(), Error> {
         Variances {
             velocity: noise.of_velocity(velocity_from, wide_only),
             acceleration: noise.of_acceleration(acceleration_from, wide_only),
+            force_rate: force.of_velocity(Source::Position, wide_only),
         },
         Variances {
             velocity: noise.of_velocity(velocity_from, both),
             acceleration: noise.of_acceleration(acceleration_from, both),
+            force_rate: force.of_velocity(Source::Position, both),
         },
     );
     signals.description = format!(

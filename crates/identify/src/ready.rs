@@ -87,7 +87,7 @@ impl<'a> Ready<'a> {
                         });
                     }
                 }
-                Variances { velocity: velocity * velocity, acceleration: acceleration * acceleration }
+                Variances { velocity: velocity * velocity, acceleration: acceleration * acceleration, ..rows }
             }
         };
         let dt = signals.dt;

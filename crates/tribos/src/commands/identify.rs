@@ -185,7 +185,7 @@ pub(crate) fn describe(name: &str, found: &Identification, beside: Option<&Ident
 }
 
 /// Parameters in the order of [thesis, table 3-3].
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 21] = [
     "mass",
     "mass_x",
     "mass_y",
@@ -201,6 +201,7 @@ const ORDER: [&str; 20] = [
     "viscous",
     "viscous_xx",
     friction::parameters::OFFSET.name,
+    friction::parameters::DELAY.name,
     "static_p",
     "static_n",
     "delta_v",
