@@ -13,6 +13,11 @@ use signals::{FaultKind, Recording};
 
 /// A recording of F = 0.4 a + (1.5, 1.2) s + (2, 3) v with a little noise, moved by `x(t)`, `v(t)`, `a(t)`.
 fn moved(seconds: f64, motion: impl Fn(f64) -> (f64, f64, f64)) -> Recording {
+    moved_and_late(seconds, 0.0, motion)
+}
+
+/// The same with a force channel that is behind by `delay`, s.
+fn moved_and_late(seconds: f64, delay: f64, motion: impl Fn(f64) -> (f64, f64, f64)) -> Recording {
     let mut r = Recording { name: "moved".into(), ..Recording::default() };
     let (mut v_column, mut a_column) = (Vec::new(), Vec::new());
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(9);
@@ -23,16 +28,17 @@ fn moved(seconds: f64, motion: impl Fn(f64) -> (f64, f64, f64)) -> Recording {
     for i in 0..(seconds * 1000.0) as i32 {
         let t = f64::from(i) * 1e-3;
         let (x, v, a) = motion(t);
-        let friction = if v > 0.0 {
-            1.5 + 2.0 * v
-        } else if v < 0.0 {
-            -1.2 + 3.0 * v
+        let (_, then, acceleration) = motion(t - delay);
+        let friction = if then > 0.0 {
+            1.5 + 2.0 * then
+        } else if then < 0.0 {
+            -1.2 + 3.0 * then
         } else {
             0.0
         };
         r.time.push(t);
         r.position.push(x);
-        r.force.push(0.4 * a + friction + noise(0.02));
+        r.force.push(0.4 * acceleration + friction + noise(0.02));
         v_column.push(v + noise(1e-4));
         a_column.push(a + noise(1e-2));
     }
@@ -100,6 +106,40 @@ fn sliding_friction_is_recovered_behind_every_preprocessing() {
         }
         healthy(&found);
     }
+}
+
+#[test]
+fn half_a_millisecond_of_delay_was_viscous_friction() {
+    let two = |t: f64| {
+        let ((x, v, a), (y, w, b)) = (sine(0.01, 12.0)(t), sine(0.002, 40.0)(t));
+        (x + y, v + w, a + b)
+    };
+    for delay in [0.0, 0.5e-3, -0.3e-3] {
+        let found = fit(&moved_and_late(10.0, delay, two), &Preprocess::default());
+        let off = |name: &str, truth: f64| {
+            let p = &found.parameters[name];
+            println!("{delay:e} s: {name} {:.4e} ± {:.1e}, {truth}", p.value, p.std);
+            (p.value - truth).abs() / p.std
+        };
+        for (name, truth) in [("mass", 0.4), ("viscous_p", 2.0), ("viscous_n", 3.0)] {
+            assert!(off(name, truth) < 4.0, "{name}");
+        }
+        if delay == 0.0 {
+            assert!(!found.parameters.contains_key("delay"));
+        } else {
+            assert!(off("delay", delay) < 4.0);
+        }
+        healthy(&found);
+    }
+}
+
+/// On one sine a delay is a combination of mass and viscous friction.
+#[test]
+fn a_delay_on_one_sine_costs_no_parameter() {
+    let found = fit(&moved_and_late(10.0, 0.5e-3, sine(0.01, 12.0)), &Preprocess::default());
+    println!("{:?}", found.parameters);
+    assert!(["mass", "viscous_p", "viscous_n"].iter().all(|name| found.parameters.contains_key(*name)));
+    healthy(&found);
 }
 
 #[test]
