@@ -83,6 +83,9 @@ pub struct Track {
     pub noise: Noise,
 }
 
+/// Variance of a source without noise: what it weighs times what it shows is a number.
+const FAINTEST: f64 = 1e-200;
+
 /// A series with the standard deviation of its noise, and the share with which it counts at a sample.
 struct Source<'a> {
     series: Vec<f64>,
@@ -95,7 +98,7 @@ fn combine(sources: &[Source]) -> Vec<f64> {
     let at = |i: usize| {
         let told = sources
             .iter()
-            .map(|s| (s.share.map_or(1.0, |share| share[i]) / (s.std * s.std).max(1e-300), s.series[i]));
+            .map(|s| (s.share.map_or(1.0, |share| share[i]) / (s.std * s.std).max(FAINTEST), s.series[i]));
         let (sum, of) = told.fold((0.0, 0.0), |(sum, of), (told, x)| (sum + told * x, of + told));
         sum / of
     };
