@@ -1,6 +1,7 @@
 //! Transport of bytes: a serial port, or the virtual device inside this process.
 
 use crate::error::{Error, Result};
+use serialport::ErrorKind;
 use signals::files::reason;
 use std::io::{Read, Write};
 use std::path::Path;
@@ -32,8 +33,8 @@ pub struct Port {
     port: Box<dyn serialport::SerialPort>,
 }
 
-/// How long a port that is in use is waited for: a program that has just ended may still be letting go of it.
-const RELEASE: Duration = Duration::from_millis(500);
+/// How long to retry a port that is busy, since a program that just exited may still hold it, and the pause between attempts.
+const BUSY: Duration = Duration::from_millis(500);
 const PAUSE: Duration = Duration::from_millis(20);
 
 impl Port {
@@ -45,7 +46,9 @@ impl Port {
         let begun = Instant::now();
         let open = || serialport::new(name, 921_600).timeout(Duration::from_millis(5)).open();
         let mut opened = open();
-        while opened.is_err() && Path::new(name).exists() && begun.elapsed() < RELEASE {
+        // serialport's kind for a port that is locked, and for one that is not there
+        let is_busy = |e: &serialport::Error| e.kind() == ErrorKind::NoDevice && Path::new(name).exists();
+        while opened.as_ref().is_err_and(is_busy) && begun.elapsed() < BUSY {
             std::thread::sleep(PAUSE);
             opened = open();
         }

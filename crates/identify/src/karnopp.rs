@@ -6,9 +6,8 @@
 //! - the S of [thesis, eq. 3.9] counts the error of a velocity only on the samples where its column is not zero by
 //!   construction. Printed, S = diag(var a, 0, var v, 0, var v) corrects each direction for the errors of both.
 //!
-//! A force channel that is behind the position by τ shows m a + b v of τ ago: b·τ is missing in the mass, and a part of the mass is
-//! taken for viscous friction. Up to a sample of delay is how a recording is made; it is fitted with everything else, by the first term
-//! of its series, −τ dF/dt, where it shows.
+//! A force channel that lags the position by τ biases the fit: the mass comes out too small by b·τ, and part of the inertial force
+//! passes for viscous friction. Where a lag of up to one sample is significant, its first-order term −τ dF/dt is fitted with the law.
 
 use crate::Signals;
 use crate::errors::Errors;
@@ -91,7 +90,7 @@ const SYMMETRIC: [Column; 4] =
 const FIRST_BAND: f64 = 0.25;
 /// Share of the top speed below which samples are excluded where Δv stays unknown.
 const BLIND_BAND: f64 = 0.1;
-/// Standard errors from which on a delay of the force is fitted.
+/// Standard errors above which a delay of the force is significant.
 const LATE: f64 = 5.0;
 /// Share of a row that must be from sliding samples.
 const PRESENT: f64 = 0.5;
@@ -151,10 +150,8 @@ struct Rows {
     at: Vec<usize>,
     errors: Vec<f64>,
     symmetric: bool,
-    /// What a delay of the force adds per second, and the variance of its error.
+    /// What a delay of the force adds per second, and the variance of its error, as long as it is not the last column.
     late: Option<(Vec<f64>, f64)>,
-    /// The delay is the last column.
-    is_late: bool,
 }
 
 impl Rows {
@@ -204,24 +201,23 @@ impl Rows {
             errors,
             symmetric,
             late,
-            is_late: false,
         }
     }
 
-    /// Its columns.
+    /// What its columns stand for.
     fn regressors(&self) -> impl Iterator<Item = Column> {
         let sliding = if self.symmetric { &SYMMETRIC[..] } else { &ASYMMETRIC };
-        sliding.iter().copied().chain(self.is_late.then_some(Column::Delay))
+        sliding.iter().copied().chain([Column::Delay]).take(self.columns.len())
     }
 
-    /// Solves with a delay of the force where one shows that is no longer than a sample, and costs no parameter: a longer one is a fault
-    /// of the recording, and on a single sine a delay is a combination of mass and viscous friction.
+    /// Solves, with the delay of the force as a last column if it is significant, at most one sample long, and leaves every other
+    /// coefficient determined. A longer delay is a fault of the recording; on a single sine any delay is a combination of mass and
+    /// viscous friction.
     fn solved(mut self, ready: &Ready<'_>) -> (Self, Option<Solution>) {
         let without = self.solve();
         let (Some(known), Some((late, error))) = (&without, self.late.take()) else { return (self, without) };
         self.columns.push(late);
         self.errors.push(error);
-        self.is_late = true;
         let delayed = self.solve().filter(|s| {
             let last = self.columns.len() - 1;
             let (delay, std) = (s.coefficients[last].abs(), s.covariance[(last, last)].sqrt());
@@ -232,7 +228,6 @@ impl Rows {
         }
         self.columns.pop();
         self.errors.pop();
-        self.is_late = false;
         (self, without)
     }
 
@@ -296,16 +291,12 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn columns(&self) -> Vec<Column> {
-        self.rows.regressors().collect()
-    }
-
     fn identification(&self, solution: Option<Solution>) -> Identification {
         let geometry = self.ready.geometry;
         let moves = self.ready.moves();
         let mut parameters = BTreeMap::new();
         let mut not_identifiable = Vec::new();
-        let columns = self.columns();
+        let columns: Vec<Column> = self.rows.regressors().collect();
         let mut kept = Vec::new();
         for (k, column) in columns.iter().enumerate() {
             let why = match &solution {
@@ -421,7 +412,7 @@ impl Report<'_> {
             .into(),
             Dropped::Collinear(others) => {
                 let others: Vec<&str> =
-                    others.iter().filter_map(|k| self.columns().get(*k).copied()).map(Column::name).collect();
+                    others.iter().filter_map(|k| self.rows.regressors().nth(*k)).map(Column::name).collect();
                 format!("on this motion it cannot be told from {}", others.join(" and "))
             }
             Dropped::Noise(share) => format!(

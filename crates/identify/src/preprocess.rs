@@ -197,7 +197,7 @@ impl Signals {
         &self.force_full
     }
 
-    /// What a delay of the force adds to it per second; None where a published procedure knows of no delay.
+    /// What a delay of the force adds to it per second; None behind a published procedure, which has no delay.
     pub(crate) fn late(&self) -> Option<Vec<f64>> {
         let Some(RowFilter::LowPass(_)) = self.rows.filter else { return None };
         let mut late = vec![0.0; self.len()];

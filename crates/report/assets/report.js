@@ -47,7 +47,7 @@
 
   function powers(u, values) {
     return values.map(function (v) {
-      // where there is no room uPlot asks for no label
+      // uPlot passes null for a label it has no room for
       if (v === null) return null;
       return v >= .01 && v < 1e4 ? String(v) : v.toExponential(0).replace(/-/g, "−").replace("+", "");
     });

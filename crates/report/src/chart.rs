@@ -94,7 +94,7 @@ impl Chart {
         self
     }
 
-    /// A logarithmic axis of x, where all of x is above zero and half of it within a quarter of the axis.
+    /// Makes the axis of x logarithmic if all of x is positive and half of it lies in the first quarter of the axis.
     pub(crate) fn log_where_crowded(mut self) -> Self {
         let x = &self.x;
         let [first, middle, last] =

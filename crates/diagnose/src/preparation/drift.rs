@@ -2,9 +2,10 @@
 //! asking for the direction is the amplifier's, and friction that changes with time is not.
 //!
 //! The straight line in time is fitted jointly with the baseline, forces along the stroke of either kind, and friction
-//! that changes with time: what is left to the line is what none of them can have made. A zero that steps once, as that of a load
-//! cell that was knocked does, is no drift: a line would leave a saw tooth of it.
+//! that changes with time, so that it takes only what none of them explains. A zero that steps once, for example because the load
+//! cell was knocked, is not a drift: taking a line out would leave a sawtooth.
 
+use crate::free_form::change;
 use crate::library::design_matrix::DesignMatrix;
 use crate::preparation::track::Track;
 use crate::regression::linear::{FOLDS, fit};
@@ -14,9 +15,6 @@ use signals::{Basis, dot};
 const MIN_T_STATISTIC: f64 = 5.0;
 /// Root mean square of the line over the noise floor that matters.
 const MATTERS: f64 = 0.3;
-
-/// Moments at which the zero may step instead, evenly over the recording.
-const MOMENTS: u32 = 64;
 
 /// The drift of one recording's force channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,17 +63,21 @@ fn of(design: &DesignMatrix, recording: usize) -> Option<Drift> {
         return None;
     }
     let line = columns.remove(5);
-    let basis = Basis::of(&columns);
+    let zero = column(&|t, _| if own(t) { 1.0 } else { 0.0 });
+    let steps = is_rather_a_step(&line, &zero, &Basis::of(&columns), design);
+    (!steps).then_some(Drift { recording, slope, middle, duration })
+}
+
+/// Whether a zero that steps at one moment explains more than a line in time, beside what spans `basis`. `zero` is the column of a
+/// constant force in the recording.
+fn is_rather_a_step(line: &[f64], zero: &[f64], basis: &Basis, design: &DesignMatrix) -> bool {
     let left = basis.project_out(&design.y);
     let explained = |column: &[f64]| {
-        let own = basis.project_out(column);
-        dot(&own, &left).powi(2) / dot(&own, &own).max(1e-300)
+        let beside = basis.project_out(column);
+        dot(&beside, &left).powi(2) / dot(&beside, &beside).max(1e-300)
     };
-    let by_line = explained(&line);
-    let steps_once = (1..MOMENTS).any(|k| {
-        let moment = from + duration * f64::from(k) / f64::from(MOMENTS);
-        let step = |t: &Track, i: usize| if own(t) && t.time(i) > moment { 1.0 } else { 0.0 };
-        explained(&column(&step)) > by_line
-    });
-    (!steps_once).then_some(Drift { recording, slope, middle, duration })
+    let there = |row: &usize| zero.get(*row).is_some_and(|z| *z > 0.0);
+    let edges: Vec<usize> = design.blocks.edges.iter().copied().filter(there).collect();
+    change::best(zero, basis, &left, &edges, |_| true)
+        .is_some_and(|row| explained(&change::from(zero, row)) > explained(line))
 }

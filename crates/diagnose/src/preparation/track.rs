@@ -18,7 +18,7 @@ use signals::{
 
 /// Cycles of a filter that are set aside beside a reversal of a body whose speed there is derived from its position, in place of
 /// [`SMEARED`]. What is smeared farther than that the filter takes out: a third as sharp, it leaves a hundredth of it. A
-/// velocity that a drive measures may be late and held, and no filter takes that out.
+/// measured velocity may be late and held, and no filter takes that out.
 const DERIVED: f64 = 0.25;
 
 /// Least speed beside a stop that is over before it shows in an average, and largest mean speed within it, in guards.
@@ -83,24 +83,24 @@ pub struct Track {
     pub noise: Noise,
 }
 
-/// Variance of a source without noise: what it weighs times what it shows is a number.
+/// Least variance of a source, so that weight times value stays finite.
 const FAINTEST: f64 = 1e-200;
 
-/// A series with the standard deviation of its noise, and the share with which it counts at a sample.
+/// A series with the standard deviation of its noise, and a further weight for each sample, from 0 to 1.
 struct Source<'a> {
     series: Vec<f64>,
     std: f64,
     share: Option<&'a [f64]>,
 }
 
-/// The mean of the sources by what they tell.
+/// The mean of the sources, weighted by their information.
 fn combine(sources: &[Source]) -> Vec<f64> {
     let at = |i: usize| {
-        let told = sources
-            .iter()
-            .map(|s| (s.share.map_or(1.0, |share| share[i]) / (s.std * s.std).max(FAINTEST), s.series[i]));
-        let (sum, of) = told.fold((0.0, 0.0), |(sum, of), (told, x)| (sum + told * x, of + told));
-        sum / of
+        let (sum, information) = sources.iter().fold((0.0, 0.0), |(sum, information), s| {
+            let own = s.share.map_or(1.0, |share| share[i]) / (s.std * s.std).max(FAINTEST);
+            (sum + own * s.series[i], information + own)
+        });
+        sum / information
     };
     (0..sources[0].series.len()).map(at).collect()
 }
@@ -126,8 +126,7 @@ impl Track {
         let f = sharp(&raw.force);
         let slope = central_difference(&x, dt);
         let behind = |std: f64, order: i32, cutoff: f64| std * differentiated(order, cutoff, dt);
-        let in_time =
-            (raw.late_below > 0.0).then(|| in_time(&slope, raw.late_below, samples(SMEARED, sharper, dt)));
+        let in_time = raw.late_below.map(|below| in_time(&slope, below, samples(SMEARED, sharper, dt)));
         let share = in_time.as_deref();
         let source = |series: Vec<f64>, std: f64| Source { series, std, share: None };
         let mut accelerations = vec![source(rate(&rate(&x)), behind(noise.position, 2, cutoff))];
@@ -213,7 +212,7 @@ impl Track {
 
     /// Cycles of a filter that are set aside beside a reversal.
     fn beside(&self) -> f64 {
-        let measured = self.raw.velocity.is_some() && self.raw.late_below == 0.0;
+        let measured = self.raw.velocity.is_some() && self.raw.late_below.is_none();
         if self.reversals.wide || measured { SMEARED } else { DERIVED }
     }
 
@@ -398,12 +397,12 @@ impl Track {
     }
 }
 
-/// Share with which a velocity counts that is late below a speed: 0 there and `around` it, 1 from twice that speed on.
+/// Weight of a velocity column that lags below a speed: 0 there, 1 from twice that speed on, and less within `around` samples of 0.
 fn in_time(slope: &[f64], late_below: f64, around: usize) -> Vec<f64> {
-    let slow: Vec<f64> = slope.iter().map(|v| (v.abs() / late_below - 1.0).clamp(0.0, 1.0)).collect();
-    let mut share = slow.clone();
-    soften(&mut share, around);
-    share.iter().zip(slow).map(|(a, b)| a.min(b)).collect()
+    let by_speed: Vec<f64> = slope.iter().map(|v| (v.abs() / late_below - 1.0).clamp(0.0, 1.0)).collect();
+    let mut beside = by_speed.clone();
+    soften(&mut beside, around);
+    beside.iter().zip(by_speed).map(|(a, b)| a.min(b)).collect()
 }
 
 /// Samples, `dt` seconds apart, in some cycles of a filter at `cutoff` Hz.

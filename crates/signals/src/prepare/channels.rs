@@ -19,8 +19,8 @@ pub struct Channels {
     pub position: Vec<f64>,
     /// Measured velocity, m/s or rad/s, where the recording has one that is to be trusted.
     pub velocity: Option<Vec<f64>>,
-    /// Speed below which the measured velocity is late, m/s or rad/s; 0 where it is late nowhere.
-    pub late_below: f64,
+    /// Speed below which the measured velocity lags more than above it, m/s or rad/s, where there is one.
+    pub late_below: Option<f64>,
     /// Measured acceleration, m/s² or rad/s², likewise.
     pub acceleration: Option<Vec<f64>>,
     /// Force, N or N·m.
@@ -62,7 +62,7 @@ impl Channels {
             start: recording.time[stretch.range.start],
             position: grid(&recording.position),
             velocity: recording.velocity.as_ref().map(grid),
-            late_below: 0.0,
+            late_below: None,
             acceleration: recording.acceleration.as_ref().map(grid),
             force: grid(&recording.force),
             normal: recording.normal_force.as_ref().map(grid),

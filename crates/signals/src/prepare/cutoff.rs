@@ -65,14 +65,14 @@ struct White {
 
 impl White {
     fn of(channels: &Channels) -> Self {
-        let column = |c: &Option<Vec<f64>>| c.as_ref().map(|c| noise_std(c).max(1e-300));
-        // what is late where the body is slow tells nothing of it there
-        let everywhere = |_: &f64| channels.late_below == 0.0;
+        let column = |c: Option<&Vec<f64>>| c.map(|c| noise_std(c).max(1e-300));
+        // a velocity that lags at low speed does not lower the noise there
+        let velocity = channels.velocity.as_ref().filter(|_| channels.late_below.is_none());
         Self {
             dt: channels.dt,
             position: noise_std(&channels.position),
-            velocity: column(&channels.velocity).filter(everywhere),
-            acceleration: column(&channels.acceleration),
+            velocity: column(velocity),
+            acceleration: column(channels.acceleration.as_ref()),
             force: noise_std(&channels.force),
         }
     }

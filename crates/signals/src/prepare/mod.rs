@@ -104,10 +104,9 @@ impl Prepared {
 }
 
 /// Prepares a recording: [`audit`], [`without_outliers`], [`bridged`]; stretches on an even grid; a wave on the encoder
-/// taken off; a velocity column advanced by its lag, or left out where it is not the derivative of the position, and the speed below
-/// which it is later than elsewhere; an
-/// acceleration column scaled and shifted to agree with it, advanced or its low-pass undone, or left out where it does not
-/// follow it.
+/// taken off; a velocity column advanced by its lag, or left out where it is not the derivative of the position, and checked for
+/// a further lag at low speed; an acceleration column scaled and shifted to agree with it, advanced or its low-pass undone, or
+/// left out where it does not follow it.
 ///
 /// A recording of which no stretch is long enough has no channels and says so in its faults.
 ///
@@ -271,14 +270,13 @@ impl Prepared {
             if is_late && !column.is_backward_difference(dt) {
                 self.late_velocity = Some(column);
             }
-            if let Some(slow) = LateWhereSlow::of(&self.channels) {
-                let why = slow.says(self.geometry);
-                self.faults.push(RecordingFault::new(FaultKind::HiddenFilter, None, why));
-                self.channels.iter_mut().for_each(|s| s.late_below = slow.below);
-            }
         }
         if !velocity.is_some_and(|c| c.is_the_derivative()) {
             self.channels.iter_mut().for_each(|s| s.velocity = None);
+        } else if let Some(slow) = LateWhereSlow::of(&self.channels) {
+            self.channels.iter_mut().for_each(|s| s.late_below = Some(slow.below));
+            let why = slow.says(self.geometry);
+            self.faults.push(RecordingFault::new(FaultKind::HiddenFilter, None, why));
         }
         match acceleration.filter(Column::follows) {
             Some(column) => {

@@ -1,6 +1,6 @@
-//! A velocity that is late where the body is slow. One that measures the time between two pulses of an encoder shows the mean
-//! since the last but one: the slower, the longer ago. What friction does at a reversal is then seen too late, while the
-//! pulses themselves tell the position in time.
+//! A velocity column that lags at low speed. Measured as the time between two encoder pulses, a velocity is the mean since the
+//! last but one pulse, and pulses become rare as the body slows down. Around a reversal such a column is late, while the
+//! position still counts every pulse in time.
 
 use super::channels::Channels;
 use super::cutoff::differentiated;
@@ -15,20 +15,21 @@ const SLOW: f64 = 1.0 / 16.0;
 const SURE: f64 = 5.0;
 const LATE: f64 = 0.25;
 
-/// A velocity column that is later where the body is slow.
+/// The further lag of a velocity column at low speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LateWhereSlow {
-    /// How much later, s.
+    /// s.
     lag: f64,
-    /// Speeds below which it is, m/s or rad/s.
+    /// The speed below which there is one, m/s or rad/s.
     pub below: f64,
 }
 
 impl LateWhereSlow {
-    /// Of a column whose lag is undone; None where what is left makes less of an error than the position's own derivative has.
+    /// The lag that remains once that at all speeds is undone. None if it is not significant, or if its error is smaller than that
+    /// of differentiating the position.
     pub fn of(stretches: &[Channels]) -> Option<Self> {
-        // Σa², −Σa·d, Σd² and samples over the slow part, Σa⁴ and Σa² times the square of the position's own error: a body that
-        // rests says nothing
+        // Over the slow samples: Σa², −Σa·d, Σd², their number, Σa⁴, and Σa² times the variance of the derived velocity. The last two
+        // weigh by a², or a body at rest would count.
         let [mut aa, mut ad, mut dd, mut samples, mut aaaa, mut own] = [0.0; 6];
         let (mut below, mut dt): (f64, f64) = (0.0, 0.0);
         for c in stretches {
@@ -57,11 +58,11 @@ impl LateWhereSlow {
     /// As a fault of the recording.
     pub fn says(&self, geometry: Geometry) -> String {
         format!(
-            "the velocity column is {:.3} ms later than elsewhere below {:.1e} {}, as one of the time between pulses is: what is \
-             slower is looked at through the position",
-            1e3 * self.lag,
+            "below {:.1e} {} the velocity column lags by a further {:.3} ms, as a velocity from pulse intervals does: diagnose \
+             uses the position there",
             self.below,
-            Dimension::VELOCITY.unit(geometry)
+            Dimension::VELOCITY.unit(geometry),
+            1e3 * self.lag
         )
     }
 }
