@@ -164,10 +164,10 @@ pub(super) fn value(settings: &Settings, name: &str, geometry: Geometry, out: &m
 }
 
 fn unit(name: &str, geometry: Geometry) -> Option<Unit> {
-    use friction::effects::EffectKind;
+    use friction::effects::EffectName;
     use haptics::settings::{ALIASES, PARAMETERS};
-    if let Some((id, parameter)) = name.split_once('.') {
-        let kind = EffectKind::from_id(id)?;
+    if let Some((effect, parameter)) = name.split_once('.') {
+        let kind = EffectName::parse(effect)?.kind;
         return kind
             .gains()
             .iter()

@@ -4,7 +4,7 @@ use crate::board::Board;
 use core::fmt::{self, Write};
 use friction::Geometry;
 use friction::Unit;
-use friction::effects::EffectKind;
+use friction::effects::{EffectKind, EffectName};
 use haptics::number::Text;
 use haptics::{DEVICE_SETTINGS, Device, DeviceValue, Settings, settings};
 use link::HELP;
@@ -66,7 +66,7 @@ fn help(at: usize, geometry: Geometry, board: &impl Board, out: &mut impl Write)
         None => {
             write!(
                 out,
-                "    EFFECT.PARAMETER   besides, e.g. stribeck.force_p; `set EFFECT off` removes; effects:"
+                "    EFFECT.PARAMETER   besides, e.g. stribeck.force_p, of a second wavelength cogging_2.sine_1; `set EFFECT off` removes; effects:"
             )?;
             EffectKind::ALL.iter().try_for_each(|kind| write!(out, " {}", kind.id()))
         }
@@ -77,20 +77,20 @@ fn help(at: usize, geometry: Geometry, board: &impl Board, out: &mut impl Write)
 fn effect_parameters(
     settings: &Settings,
     geometry: Geometry,
-) -> impl Iterator<Item = (&'static str, &'static str, Unit, f32)> {
-    settings.effects.iter().flatten().flat_map(move |effect| {
-        let kind = effect.kind;
-        let gains = kind.gains().iter().zip(effect.gains);
+) -> impl Iterator<Item = (EffectName, &'static str, Unit, f32)> {
+    EffectName::of(settings.effects.iter().flatten()).flat_map(move |(effect, of)| {
+        let gains = of.kind.gains().iter().zip(of.gains);
         gains
-            .chain(kind.shape().iter().zip(effect.shape))
-            .map(move |(p, x)| (kind.id(), p.name, p.unit(geometry), x))
+            .chain(of.kind.shape().iter().zip(of.shape))
+            .map(move |(p, x)| (effect, p.name, p.unit(geometry), x))
     })
 }
 
 fn parameter(settings: &Settings, at: usize, geometry: Geometry, out: &mut impl Write) -> fmt::Result {
     let Some(p) = settings::PARAMETERS.get(at) else {
         let besides = effect_parameters(settings, geometry).nth(at - settings::PARAMETERS.len());
-        return besides.map_or(Ok(()), |(id, name, unit, x)| write!(out, "  {id}.{name} {} {unit}", Text(x)));
+        return besides
+            .map_or(Ok(()), |(effect, name, unit, x)| write!(out, "  {effect}.{name} {} {unit}", Text(x)));
     };
     match (settings.get(p.name), p.unit(geometry)) {
         (Some(value), None) => write!(out, "  {} {value}", p.name),

@@ -238,7 +238,7 @@ fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> R
             let what =
                 format!("direction of {}: held is the mean of both directions", effect.kind.about().id);
             let mut simpler = reduction.model.clone();
-            simpler.set_effect(even);
+            simpler.effects.iter_mut().filter(|e| **e == effect).for_each(|e| *e = even);
             reduction.simplify(what, simpler)?;
         }
     }
@@ -266,7 +266,7 @@ fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> R
                     ""
                 };
                 let mut simpler = reduction.model.clone();
-                simpler.effects.retain(|e| e.kind != effect.kind);
+                simpler.effects.retain(|e| *e != effect);
                 reduction.simplify(format!("{} ({}){wanted}", about.id, about.equation), simpler)?;
             }
         }
@@ -465,7 +465,7 @@ fn bent(
             viscous: law.viscous_p,
         };
         let mut simpler = Model { law: Law::Dahl(dahl), ..reduction.model.clone() };
-        simpler.effects.retain(|e| e.kind != effect.kind);
+        simpler.effects.retain(|e| *e != effect);
         let id = effect.kind.about().id;
         reduction
             .simplify(format!("{id} of {:.4} {unit}: held is the friction, {level:.4}", b.force), simpler)?;
@@ -509,7 +509,7 @@ fn fall(reduction: &mut Reduction<'_>, falling: Falling, effect: &Effect<f64>) -
         ..reduction.model.clone()
     };
     let mut rest = reduction.model.clone();
-    rest.effects.retain(|e| e.kind != effect.kind);
+    rest.effects.retain(|e| e != effect);
     let predicted = reduction
         .recording
         .map(|r| {

@@ -292,7 +292,7 @@ fn every_effect_is_held_or_named_in_modelica_and_bam() {
         let mut model =
             Model::from_toml("model.toml", &format!("[preset]\n{PLAIN}[model]\ngeometry = \"rotary\"\n"))
                 .expect("a model");
-        model.set_effect(effect);
+        model.effects.push(effect);
         let mut recording = recording();
         recording.geometry = signals::Geometry::Rotary;
         for format in [Format::Modelica, Format::Bam] {
@@ -319,7 +319,7 @@ fn every_effect_is_held_or_named() {
             *effect.get_mut(shape.name).expect("its shape") += 0.02 / (i + 1) as f64;
         }
         let mut model = Model::from_toml("model.toml", PLAIN).expect("a model");
-        model.set_effect(effect);
+        model.effects.push(effect);
         let found = export(&model, Format::Mujoco, None).expect("exported");
         let j = found.joint;
         let held = j.stiffness > 0.0

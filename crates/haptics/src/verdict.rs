@@ -2,6 +2,7 @@
 
 use crate::number::Text;
 use core::fmt;
+use friction::effects::EffectName;
 use friction::{Dimension, Geometry};
 
 /// Accepted values.
@@ -81,7 +82,7 @@ impl fmt::Display for On<'_, Reason> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refused {
     /// Effect of the parameter, if any.
-    pub effect: Option<&'static str>,
+    pub effect: Option<EffectName>,
     /// Name of the parameter as a user types it.
     pub parameter: &'static str,
     /// Refused value.

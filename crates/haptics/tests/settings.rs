@@ -1,5 +1,6 @@
 //! Settings by name, validation with physics, presets.
 
+use friction::effects::EffectName;
 use haptics::{Accepted, Device, LawKind, RendererKind, Settings, Value, bounds};
 
 const T: f64 = 1e-3;
@@ -221,6 +222,42 @@ fn names_round_trip_and_errors_change_nothing() {
     assert_eq!(settings.get("stribeck.force_p"), None);
 }
 
+#[test]
+fn a_second_wavelength_has_a_name_that_stays_its_own() {
+    let mut settings = Settings::rubber();
+    let mut set = |name: &str, value: &str| {
+        let done = settings.set(name, value).map_err(|e| e.to_string());
+        (done, settings)
+    };
+    let wavelengths = |s: &Settings| {
+        let of = |name: &str| s.get(&format!("{name}.wavelength")).map(|value| value.to_string());
+        ["cogging", "cogging_2", "cogging_3"].map(of)
+    };
+    let some = |text: &str| Some(text.to_string());
+    let first = Err("cogging_2.sine_1: set cogging.PARAMETER first".to_string());
+    assert_eq!(set("cogging_2.sine_1", "0.1").0, first);
+    for (name, value) in [("spring.stiffness", "5"), ("offset.force", "0.1"), ("cogging.wavelength", "0.01")]
+    {
+        set(name, value).0.expect("a parameter");
+    }
+    set("spring", "off").0.expect("it is there");
+    // the places behind `cogging` are filled first, then one before it
+    set("cogging_2.wavelength", "0.02").0.expect("the second");
+    let (done, three) = set("cogging_3.wavelength", "0.03");
+    done.expect("the third");
+    assert_eq!(wavelengths(&three), [some("0.01"), some("0.02"), some("0.03")]);
+    assert!(three.effects.iter().all(Option::is_some) && three.get("offset.force").is_some());
+    let (done, same) = set("cogging_4.wavelength", "0.04");
+    println!("{}", done.expect_err("full"));
+    assert_eq!(same, three);
+    // the second and what is behind it
+    let (done, one) = set("cogging_2", "off");
+    done.expect("it is there");
+    assert_eq!(wavelengths(&one), [some("0.01"), None, None]);
+    assert_eq!(wavelengths(&set("cogging", "off").1), [None, None, None]);
+    assert!(set("spring_2.stiffness", "5").0.is_err(), "two springs are one");
+}
+
 /// Regression: above the bound of a stuck handle the message named that bound, which exceeds the one of a sliding block.
 #[test]
 fn the_named_stiffness_is_accepted_without_damping() {
@@ -246,7 +283,7 @@ fn a_pattern_is_no_steeper_than_the_contact_is_stable_with() {
     let steep = with(RendererKind::Impedance, "2", "2e-4");
     let refused = steep.validate(&device).expect_err("unstable");
     println!("{refused}");
-    assert_eq!((refused.effect, refused.parameter), (Some("cogging"), "wavelength"));
+    assert_eq!((refused.effect, refused.parameter), (EffectName::parse("cogging"), "wavelength"));
     let Accepted::AtLeast(least) = refused.accepted else { panic!("a lower bound: {refused}") };
     let room = 2.0 * core::f64::consts::TAU / f64::from(least);
     println!("accepted from {least} m: {room:.0} N/m");

@@ -4,7 +4,7 @@
 //! [`Model::to_toml`]).
 
 use crate::Identification;
-use friction::effects::{About, Effect, EffectKind, SeriesEffect};
+use friction::effects::{About, Effect, EffectName, SeriesEffect};
 use friction::parameters::{DELAY, OFFSET};
 use friction::{Coulomb, Dahl, Dimension, FreeForm, FrictionLaw, Invalid, Karnopp, Law, in_range};
 use signals::Geometry;
@@ -108,18 +108,13 @@ impl Model {
         self.coupling.b_vc.map_or(Ok(()), |b| in_range("b_vc", b, 0.0, 1e6))
     }
 
-    /// The effect of this kind, if the model has it.
-    #[must_use]
-    pub fn effect(&self, kind: EffectKind) -> Option<&Effect<f64>> {
-        self.effects.iter().find(|e| e.kind == kind)
-    }
-
-    /// Adds an effect, or replaces the one of the same kind.
-    pub fn set_effect(&mut self, effect: Effect<f64>) {
-        match self.effects.iter_mut().find(|e| e.kind == effect.kind) {
-            Some(held) => *held = effect,
-            None => self.effects.push(effect),
+    /// The effect of this name, to be set: without any force where the model had none. None where its number skips one.
+    pub fn effect_mut(&mut self, name: EffectName) -> Option<&mut Effect<f64>> {
+        let of_kind = |e: &Effect<f64>| e.kind == name.kind;
+        if self.effects.iter().filter(|e| of_kind(e)).count() == name.index {
+            self.effects.push(Effect::silent(name.kind));
         }
+        self.effects.iter_mut().filter(|e| of_kind(e)).nth(name.index)
     }
 
     /// Takes out what has a phase along the stroke, which holds only while the zero of the position does; returns the ids.
@@ -127,7 +122,7 @@ impl Model {
         let mut out = Vec::new();
         let mut stays = |about: &'static About| {
             let stays = about.wavelength().is_none();
-            if !stays {
+            if !stays && !out.contains(&about.id) {
                 out.push(about.id);
             }
             stays

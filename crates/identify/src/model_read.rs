@@ -3,7 +3,7 @@
 use crate::model::Model;
 use crate::model_curves;
 use crate::model_words::{Complaint, MODEL_SCHEMA, name_in_file, sensor_words};
-use friction::effects::{Effect, EffectKind, SeriesEffect, SeriesKind};
+use friction::effects::{EffectKind, EffectName, SeriesEffect, SeriesKind};
 use friction::parameters::OFFSET;
 use friction::{Adhesion, BOTH_DIRECTIONS, LawKind, Surface, directions};
 use signals::Geometry;
@@ -224,20 +224,23 @@ impl Reader<'_> {
             );
             return Err(self.error(entry.at, why));
         };
-        let Some(kind) = EffectKind::from_id(id) else {
+        let Some(name) = EffectName::parse(id) else {
             let ids: Vec<&str> = EffectKind::ALL.iter().map(|k| k.id()).collect();
             return Err(self.error(entry.at, format!("no effect `{id}`: accepted are {}", ids.join(", "))));
         };
         let value = self.number(entry)?;
-        let mut effect = self.model.effect(kind).copied().unwrap_or_else(|| Effect::silent(kind));
-        let Some(place) = effect.get_mut(parameter) else {
-            let names: Vec<&str> = kind.gains().iter().chain(kind.shape()).map(|p| p.name).collect();
+        let kind = name.kind;
+        if kind.about().parameters().all(|p| p.name != parameter) {
+            let names: Vec<&str> = kind.about().parameters().map(|p| p.name).collect();
             return Err(
                 self.error(entry.at, format!("{id} has no `{parameter}`: accepted are {}", names.join(", ")))
             );
+        }
+        let Some(place) = self.model.effect_mut(name).and_then(|effect| effect.get_mut(parameter)) else {
+            let before = EffectName { index: name.index.saturating_sub(1), ..name };
+            return Err(self.error(entry.at, format!("{id} without {before}: accepted in this order")));
         };
         *place = value;
-        self.model.set_effect(effect);
         Ok(())
     }
 
@@ -319,8 +322,10 @@ impl Reader<'_> {
             }
         }
         // an effect's parameter is named with its effect: another effect may have one of the same name
-        let effects = self.model.effects.iter().map(|e| (e.kind.id(), e.validate()));
-        let sensors = self.model.nuisances.sensors.iter().map(|s| (s.kind.about().id, s.validate()));
+        let effects =
+            EffectName::of(self.model.effects.iter()).map(|(name, e)| (name.to_string(), e.validate()));
+        let sensors =
+            self.model.nuisances.sensors.iter().map(|s| (s.kind.about().id.to_string(), s.validate()));
         for (id, result) in effects.chain(sensors) {
             if let Err(refused) = result {
                 let key = format!("{id}.{}", refused.parameter);

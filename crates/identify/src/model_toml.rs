@@ -5,7 +5,7 @@
 //! law = "karnopp"
 //! mass = 0.3886            # kg
 //! f_static_p = 3.8513      # N
-//! stribeck.force_p = 0.2   # an effect beside the law: EFFECT.PARAMETER
+//! stribeck.force_p = 0.2   # an effect beside the law: EFFECT.PARAMETER; a second wavelength: cogging_2
 //!
 //! [model]                  # what only the host needs; all of it optional
 //! schema = "tribos.model/1"
@@ -31,7 +31,7 @@ use crate::model::{Coupling, Model};
 use crate::model_words::{Complaint, MODEL_SCHEMA, decimal, name_in_file};
 use crate::planar::PlanarModel;
 use crate::{model_curves, model_read};
-use friction::effects::EffectKind;
+use friction::effects::EffectName;
 use friction::parameters::OFFSET;
 use friction::{Dimension, Law, Surface};
 use signals::files::reason;
@@ -90,10 +90,10 @@ impl Model {
                 set(name, value);
             }
         }
-        for effect in &self.effects {
+        for (name, effect) in EffectName::of(self.effects.iter()) {
             for parameter in effect.kind.gains().iter().chain(effect.kind.shape()) {
                 if let Some(value) = effect.get(parameter.name) {
-                    set(&format!("{}.{}", effect.kind.id(), parameter.name), value);
+                    set(&format!("{name}.{}", parameter.name), value);
                 }
             }
         }
@@ -127,7 +127,7 @@ impl Model {
                 value
             };
             let unit = match name.split_once('.') {
-                Some((id, parameter)) => effect_unit(id, parameter, self.geometry),
+                Some((effect, parameter)) => effect_unit(effect, parameter, self.geometry),
                 None => unit_of(&name, self.geometry),
             };
             let _ = if unit.is_empty() {
@@ -179,8 +179,8 @@ fn quoted(text: &str) -> String {
 }
 
 /// Unit of a parameter of an effect.
-fn effect_unit(id: &str, parameter: &str, geometry: Geometry) -> String {
-    let kind = EffectKind::from_id(id);
-    let of = kind.and_then(|kind| kind.about().parameters().find(|p| p.name == parameter));
+fn effect_unit(effect: &str, parameter: &str, geometry: Geometry) -> String {
+    let name = EffectName::parse(effect);
+    let of = name.and_then(|name| name.kind.about().parameters().find(|p| p.name == parameter));
     of.map_or_else(String::new, |p| p.unit(geometry).to_string())
 }

@@ -9,6 +9,7 @@
 
 use client::Sample;
 use design::{Change, LeftOut};
+use friction::effects::{Effect, EffectName};
 use haptics::Device;
 use haptics::Settings;
 use haptics::settings::PARAMETERS;
@@ -284,10 +285,9 @@ fn listed(settings: &Settings, device: &Device) -> Vec<(String, String, String)>
         let unit = p.unit(device.geometry).map_or_else(String::new, |unit| unit.to_string());
         push(p.name.to_owned(), unit);
     }
-    for effect in settings.effects.iter().flatten() {
-        let kind = effect.kind;
+    for (effect, Effect { kind, .. }) in EffectName::of(settings.effects.iter().flatten()) {
         for p in kind.gains().iter().chain(kind.shape()) {
-            push(format!("{}.{}", kind.id(), p.name), p.dimension.unit(device.geometry).to_string());
+            push(format!("{effect}.{}", p.name), p.dimension.unit(device.geometry).to_string());
         }
     }
     all
@@ -297,13 +297,10 @@ fn listed(settings: &Settings, device: &Device) -> Vec<(String, String, String)>
 #[must_use]
 pub fn differences(from: &Settings, to: &Settings, device: &Device) -> Vec<Difference> {
     let (before, after) = (listed(from, device), listed(to, device));
-    let gone = from
-        .effects
-        .iter()
-        .flatten()
-        .filter(|old| to.effects.iter().flatten().all(|new| new.kind != old.kind));
-    let off = gone.map(|effect| Difference {
-        name: effect.kind.id().to_owned(),
+    let kept: Vec<EffectName> = EffectName::of(to.effects.iter().flatten()).map(|(name, _)| name).collect();
+    let gone = EffectName::of(from.effects.iter().flatten()).filter(|(old, _)| !kept.contains(old));
+    let off = gone.map(|(effect, _)| Difference {
+        name: effect.to_string(),
         unit: String::new(),
         before: "on".into(),
         after: "off".into(),

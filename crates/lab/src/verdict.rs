@@ -1,7 +1,7 @@
 //! Checks a set of parameters by the device's own validation before anything is sent.
 
 use friction::Surface;
-use friction::effects::EffectKind;
+use friction::effects::{Effect, EffectName};
 use haptics::number::Text;
 use haptics::settings::{PARAMETERS, Parameter};
 use haptics::{Accepted, Device, Refused, Settings, bounds};
@@ -79,7 +79,7 @@ fn range(accepted: Accepted) -> (Option<f64>, Option<f64>) {
 /// What validation would accept for one parameter: it is asked with values that no device takes.
 fn limits(settings: &Settings, device: &Device, name: &str) -> (Option<f64>, Option<f64>) {
     let (effect, parameter) = match name.split_once('.') {
-        Some((effect, parameter)) => (Some(effect), parameter),
+        Some((effect, parameter)) => (EffectName::parse(effect), parameter),
         None => (None, name),
     };
     let mut found = (None, None);
@@ -154,11 +154,10 @@ fn shown(settings: &Settings, device: &Device, name: String, p: &Parameter) -> S
 pub fn parameters(settings: &Settings, device: &Device) -> Vec<Shown> {
     let mut all: Vec<Shown> =
         PARAMETERS.iter().map(|p| shown(settings, device, p.name.to_owned(), p)).collect();
-    for effect in settings.effects.iter().flatten() {
-        let kind: EffectKind = effect.kind;
+    for (effect, Effect { kind, .. }) in EffectName::of(settings.effects.iter().flatten()) {
         for p in kind.gains().iter().chain(kind.shape()) {
             let known = Parameter { name: p.name, dimension: Some(p.dimension), what: kind.id() };
-            all.push(shown(settings, device, format!("{}.{}", kind.id(), p.name), &known));
+            all.push(shown(settings, device, format!("{effect}.{}", p.name), &known));
         }
     }
     all

@@ -12,7 +12,7 @@ use crate::own_friction::{OwnFriction, Period};
 use crate::watch::{Watch, record};
 use crate::{library, recordings::model_name};
 use client::{Event, Move, Plan, Session};
-use friction::effects::{EffectState, Scale};
+use friction::effects::{EffectName, EffectState, Scale};
 use friction::{Dimension, Law, Motion, Surface};
 use haptics::{Compensation, Device, Wave, compensation::MAX_FED};
 use identify::{Model, Preprocess, prepare};
@@ -94,8 +94,7 @@ impl FeedForward {
             ..Compensation::off(device)
         };
         settings.validate(device).map_err(refused)?;
-        for effect in &model.effects {
-            let id = effect.kind.id();
+        for (id, effect) in EffectName::of(model.effects.iter()) {
             if !effect.kind.is_of_position() {
                 left_out.push(format!("{id}: no force of the position alone"));
                 continue;

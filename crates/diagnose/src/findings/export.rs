@@ -40,7 +40,7 @@ pub fn model(intake: &Intake, design: &DesignMatrix, found: &Hypothesis, cutoff:
             TermKind::Force(kind) if kind.about().is_constant() => {
                 model.nuisances.offset += gains.iter().sum::<f64>();
             }
-            TermKind::Force(kind) => model.set_effect(Effect { kind, gains, shape }),
+            TermKind::Force(kind) => model.effects.push(Effect { kind, gains, shape }),
             TermKind::Series(kind) if kind.about().acts == Acts::Delay => {
                 model.nuisances.delay_s += kind.delay(&gains, &shape);
             }

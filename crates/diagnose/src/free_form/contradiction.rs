@@ -19,6 +19,9 @@ const AS_GOOD: f64 = 0.02;
 /// The same as a share of what names and forms gain.
 const OF_GAIN: f64 = 0.005;
 
+/// Share of what an effect gains beside the free forms that it gains without them, too, if it is an effect of its own.
+const ITS_OWN: f64 = 0.5;
+
 /// Most free directions of a form that takes the place of several names because it is one: a finer curve follows any of them.
 const COARSE: usize = 22;
 
@@ -124,7 +127,8 @@ fn restored(search: &Search, found: &Hypothesis, kept: &Hypothesis, alone: Descr
 }
 
 /// Takes back, one after the other, every effect that predicts nothing beside the free forms, or nothing without them: then it
-/// stands for what a form is too coarse for.
+/// stands for what a form is too coarse for. Without them its gain stands in a larger error and may not be sure; it counts
+/// where it is as large as beside them.
 fn needless(search: &Search, mut now: Resolved) -> Resolved {
     while !now.described.terms.is_empty() {
         let without = |i: usize| {
@@ -132,8 +136,13 @@ fn needless(search: &Search, mut now: Resolved) -> Resolved {
             atoms.remove(i);
             let fewer = Hypothesis::new(search.design, atoms)?;
             let fitted = now.described.without(search, &fewer, None)?;
+            let gain = |without: &Fit, with: &Fit| without.heldout_sum() - with.heldout_sum();
+            let as_much = || {
+                let beside = gain(&fitted.fit, &now.described.fit);
+                gain(&fewer.fit, &now.found.fit) > ITS_OWN * beside
+            };
             let needed = search.gains_surely(&fitted.fit, &now.described.fit)
-                && search.gains_surely(&fewer.fit, &now.found.fit);
+                && (search.gains_surely(&fewer.fit, &now.found.fit) || as_much());
             (!needed).then(|| (fitted.fit.heldout_sum(), i, fewer, fitted))
         };
         let best = (0..now.found.atoms.len()).filter_map(without).min_by(|a, b| a.0.total_cmp(&b.0));

@@ -61,7 +61,7 @@ impl Search<'_> {
         let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
         let above = |sum: f64| sum - self.floor;
         let worth = (MATERIAL * above(start)).min(MOST_OF_REST * above(parent.fit.heldout_sum()));
-        let mut added = (0..child.atoms.len()).filter(|i| !parent.has(child.atoms[*i].term.kind));
+        let mut added = (0..child.atoms.len()).filter(|i| !self.has(&parent.atoms, &child.atoms[*i].term));
         let nowhere = Basis::default();
         let share = |i| spread(&self.contribution(child, i, &nowhere), &self.design.blocks);
         let least = added.clone().map(share).reduce(f64::min);
@@ -72,7 +72,8 @@ impl Search<'_> {
     }
 
     fn holds(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
-        let new: Vec<Atom> = child.atoms.iter().filter(|a| !parent.has(a.term.kind)).cloned().collect();
+        let new: Vec<Atom> =
+            child.atoms.iter().filter(|a| !self.has(&parent.atoms, &a.term)).cloned().collect();
         child.fit.heldout_sum() < parent.fit.heldout_sum()
             && self.material(parent, child, start)
             && self.gains_surely(&parent.fit, &child.fit)
@@ -125,7 +126,7 @@ impl Search<'_> {
         // The best shape of each effect, with and without shared directions, among those whose gain it accepts: a delay
         // that is tried too short would need more than the whole force.
         let testable =
-            self.catalogue.testable().into_iter().filter(|atom| !from.has(atom.term.kind)).collect();
+            self.catalogue.testable().into_iter().filter(|atom| !self.has(&from.atoms, &atom.term)).collect();
         let columns = Hypothesis::columns(self.design, &from.atoms);
         let last = columns.len();
         let overlap = Overlap::new(testable, &[&columns[..], &[residual.as_slice()]].concat());

@@ -2,10 +2,11 @@
 
 use crate::library::design_matrix::DesignMatrix;
 use crate::library::scales::Scales;
+use crate::library::term::Term;
 use crate::regression::linear::{FOLDS, Fit};
 use crate::regression::sign_flips::{Family, Scores, block_scores, family, gain_interval};
 use crate::search::catalogue::Catalogue;
-use crate::search::hypothesis::Hypothesis;
+use crate::search::hypothesis::{Atom, Hypothesis};
 use rayon::prelude::*;
 use signals::{Basis, dot};
 
@@ -60,6 +61,17 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Whether one of these is this effect already.
+    pub fn has(&self, atoms: &[Atom], term: &Term) -> bool {
+        let stroke = self.scales.stroke.1 - self.scales.stroke.0;
+        atoms.iter().any(|a| a.term.is_one_with(term, stroke))
+    }
+
+    /// Whether no two of these are one effect.
+    pub fn are_apart(&self, atoms: &[Atom]) -> bool {
+        (1..atoms.len()).all(|i| !self.has(&atoms[..i], &atoms[i].term))
+    }
+
     /// Whether `rival`, with another term in the place of one of `best`, explains what it does; `without`: neither's.
     pub fn is_as_good(&self, rival: &Hypothesis, best: &Hypothesis, without: Option<&Hypothesis>) -> bool {
         let beyond_best = |h: &Hypothesis| h.fit.heldout_sum() - best.fit.heldout_sum();
@@ -78,13 +90,14 @@ impl Search<'_> {
         basis.project_out(&sum)
     }
 
-    /// Whether every gain is in the range its effect accepts and the mass is not significantly negative, unless the baseline's
+    /// Whether no two effects are one, every gain is in the range its effect accepts, and the mass is not significantly negative, unless the baseline's
     /// already is. A mass that does not show has either sign.
     pub fn physical(&self, h: &Hypothesis) -> bool {
         let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
         // only a mass below zero asks for its standard error
         let surely_negative = || mass + SURELY * h.fit.std_errors().first().copied().unwrap_or(0.0) < 0.0;
-        (mass >= 0.0 || self.design.blocks.mass < 0.0 || !surely_negative())
+        self.are_apart(&h.atoms)
+            && (mass >= 0.0 || self.design.blocks.mass < 0.0 || !surely_negative())
             && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.design, i)))
     }
 

@@ -73,7 +73,7 @@ struct Point {
     residual: Vec<f64>,
     /// Squared residual, with what the prior asks for.
     squared: f64,
-    /// Every gain lies in the range its effect accepts.
+    /// No two effects are one, and every gain lies in the range its effect accepts.
     physical: bool,
 }
 
@@ -225,10 +225,11 @@ impl Search<'_> {
         let asked: f64 = gains.iter().zip(&priors).map(|(g, prior)| (g * prior).powi(2)).sum();
         let squared = dot(&residual, &residual) + asked;
         let mut from = self.design.baseline.len();
-        let physical = atoms.iter().all(|a| {
+        let in_range = |a: &Atom| {
             from += a.columns.len();
             a.physical(&gains[from - a.columns.len()..from])
-        });
+        };
+        let physical = self.are_apart(&atoms) && atoms.iter().all(in_range);
         squared.is_finite().then_some(Point { atoms, gains, cover, residual, squared, physical })
     }
 

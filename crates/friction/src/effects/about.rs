@@ -237,6 +237,9 @@ pub struct About {
     pub has_reference: bool,
     /// Parameters the force is not proportional to.
     pub shape: &'static [Parameter],
+    /// A machine may have several of it, told apart by this parameter of the shape: forces of several wavelengths, bristles of several
+    /// lengths.
+    pub several_by: Option<usize>,
     /// What its force is made of.
     pub reads: &'static [Quantity],
     /// Always against the motion, and nothing at rest but where it adds to break-away: a part of the friction level. The
@@ -290,6 +293,7 @@ impl About {
         at_an_angle: false,
         has_reference: false,
         shape: &[],
+        several_by: None,
         reads: &[],
         opposes_motion: false,
         seat: Seat::Contact,

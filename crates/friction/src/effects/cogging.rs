@@ -36,6 +36,7 @@ impl Describe for Cogging {
         ],
         groups: &[&[&[0], &[1]], &[&[0], &[1], &[2], &[3]]],
         shape: &[Parameter::shape("wavelength", Scale::Wavelength, (1e-6, 10.0), "distance of one period")],
+        several_by: Some(0),
         reads: &[Quantity::Position],
         seat: Seat::Drive,
         example: Some(Example { gains: [0.2, 0.15, 0.0, 0.0], shape: [0.004, 0.0] }),

@@ -16,6 +16,7 @@ use crate::{Invalid, Motion, Scalar, in_range, limits};
 use serde::{Deserialize, Serialize};
 
 mod about;
+mod name;
 #[cfg(feature = "alloc")]
 mod series;
 mod signature;
@@ -24,6 +25,7 @@ pub use about::{
     About, Acts, BOTH, BY_DIRECTION, Comparison, Describe, EITHER, EITHER_OR_BOTH, Example, FIRST_OR_BOTH,
     GainGroups, LookedFor, ONE, Parameter, Quantity, Scale, Seat, Twin,
 };
+pub use name::EffectName;
 #[cfg(feature = "alloc")]
 pub use series::{Operator, Record, delayed};
 pub use signature::{MAX_GAINS, MAX_MEMORY, MAX_SHAPE, Signature};
@@ -88,6 +90,10 @@ macro_rules! catalogue {
             /// the applied force by position.
             pub fn is_of_position(self) -> bool {
                 match self { $($(#[$if_force])* Self::$Force => const { of_position(&$Force::ABOUT) },)* }
+            }
+            /// Whether a machine may have several ([`About::several_by`], [`EffectName`]).
+            pub fn may_repeat(self) -> bool {
+                match self { $($(#[$if_force])* Self::$Force => const { $Force::ABOUT.several_by.is_some() },)* }
             }
             /// The effect that this shape is rather a case of.
             pub fn rather(self, shape: &[f64; MAX_SHAPE]) -> Option<Self> {

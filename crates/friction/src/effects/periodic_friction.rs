@@ -34,6 +34,7 @@ impl Describe for PeriodicFriction {
         ],
         groups: BOTH,
         shape: &[Parameter::shape("wavelength", Scale::Wavelength, (1e-6, 10.0), "distance of one period")],
+        several_by: Some(0),
         reads: &[Quantity::Position, Quantity::Velocity],
         opposes_motion: true,
         example: Some(Example { gains: [0.2, 0.15, 0.0, 0.0], shape: [0.004, 0.0] }),

@@ -36,6 +36,7 @@ impl Describe for Presliding {
         ],
         groups: BY_DIRECTION,
         shape: &[Parameter::shape("x_s", Scale::Distance, (1e-8, 1.0), "distance over which friction turns round")],
+        several_by: Some(0),
         reads: &[Quantity::Displacement, Quantity::Velocity],
         example: Some(Example { gains: [0.5, 0.5, 0.0, 0.0], shape: [4e-4, 0.0] }),
         ..About::EFFECT

@@ -34,6 +34,7 @@ impl Describe for TorqueRipple {
         ],
         groups: BOTH,
         shape: &[Parameter::shape("wavelength", Scale::Wavelength, (1e-6, 10.0), "distance of one period")],
+        several_by: Some(0),
         reads: &[Quantity::Position, Quantity::Force],
         seat: Seat::Drive,
         acts: Acts::OnForce,

@@ -2,10 +2,10 @@
 
 use super::{COMPENSATION_CYCLES, LARGEST_SHARE, PUSH, SPEED};
 use crate::number::{self, Text};
-use crate::settings::{SetWhy, Slot, effect_cycles, slot};
+use crate::settings::{SetWhy, effect_cycles, named, parameter_of};
 use crate::{Accepted, Compensation, Device, Reason, Refused, SetError, Value};
 use core::fmt;
-use friction::effects::{Effect, EffectKind, EffectState, Scale};
+use friction::effects::{Effect, EffectName, EffectState, Scale};
 use friction::{Dimension, Geometry, Motion};
 
 /// Share unless one is set.
@@ -68,9 +68,8 @@ impl Compensation {
         if let Some(place) = { *self }.place(name) {
             return Some(*place);
         }
-        let (id, parameter) = name.split_once('.')?;
-        let effect = self.effects.iter().flatten().find(|effect| effect.kind.id() == id)?;
-        effect.get(parameter)
+        let (effect, parameter) = name.split_once('.')?;
+        named(&self.effects, EffectName::parse(effect)?)?.get(parameter)
     }
 
     /// Sets a parameter from text. The first one switches the feed-forward on, with nine tenths of what is told.
@@ -87,25 +86,11 @@ impl Compensation {
         if let Some(place) = next.place(name) {
             *place = x?;
         } else {
-            let (id, parameter) = name.split_once('.').ok_or(fail(SetWhy::UnknownOfCompensation))?;
-            let kind = EffectKind::from_id(id).filter(|kind| kind.is_of_position());
-            let kind = kind.ok_or(fail(SetWhy::UnknownOfCompensation))?;
-            let slot = slot(kind, parameter).ok_or(fail(SetWhy::UnknownOfEffect(
-                kind.id(),
-                kind.gains(),
-                kind.shape(),
-            )))?;
-            let held = next.effects.iter().position(|place| place.is_some_and(|effect| effect.kind == kind));
-            let at = held.or_else(|| next.effects.iter().position(Option::is_none));
-            let place = at.and_then(|at| next.effects.get_mut(at)).ok_or(fail(SetWhy::FedFull))?;
-            let effect = place.get_or_insert_with(|| Effect::silent(kind));
-            let number = match slot {
-                Slot::Gain(at) => effect.gains.get_mut(at),
-                Slot::Shape(at) => effect.shape.get_mut(at),
-            };
-            if let Some(number) = number {
-                *number = x?;
-            }
+            let (effect, parameter) = name.split_once('.').ok_or(fail(SetWhy::UnknownOfCompensation))?;
+            let effect = EffectName::parse(effect).filter(|effect| effect.kind.is_of_position());
+            let effect = effect.ok_or(fail(SetWhy::UnknownOfCompensation))?;
+            let place = parameter_of(&mut next.effects, effect, parameter, SetWhy::FedFull).map_err(fail)?;
+            *place = x?;
         }
         *self = next;
         Ok(())
@@ -187,17 +172,13 @@ impl Compensation {
                 return Err(Refused { effect: None, parameter, value, accepted, why });
             }
         }
-        self.effects.iter().flatten().try_for_each(|effect| self.check(effect, device))
+        EffectName::of(self.effects.iter().flatten())
+            .try_for_each(|(name, effect)| self.check(name, effect, device))
     }
 
-    fn check(&self, effect: &Effect<f32>, device: &Device) -> Result<(), Refused> {
-        let refused = |parameter, value, accepted, why| Refused {
-            effect: Some(effect.kind.id()),
-            parameter,
-            value,
-            accepted,
-            why,
-        };
+    fn check(&self, name: EffectName, effect: &Effect<f32>, device: &Device) -> Result<(), Refused> {
+        let refused =
+            |parameter, value, accepted, why| Refused { effect: Some(name), parameter, value, accepted, why };
         effect.validate().map_err(|invalid| {
             let range = Accepted::Between(invalid.min as f32, invalid.max as f32);
             refused(invalid.parameter, invalid.value as f32, range, Reason::plain("outside its range"))
@@ -259,10 +240,10 @@ impl fmt::Display for On<'_> {
                 Some(dimension) => write!(f, " {}", dimension.unit(geometry))?,
             }
         }
-        for effect in compensation.effects.iter().flatten() {
+        for (name, effect) in EffectName::of(compensation.effects.iter().flatten()) {
             let gains = effect.kind.gains().iter().zip(effect.gains);
             for (p, x) in gains.chain(effect.kind.shape().iter().zip(effect.shape)) {
-                write!(f, ", {}.{} {} {}", effect.kind.id(), p.name, Text(x), p.unit(geometry))?;
+                write!(f, ", {name}.{} {} {}", p.name, Text(x), p.unit(geometry))?;
             }
         }
         Ok(())

@@ -6,7 +6,7 @@ mod parameters;
 mod validate;
 
 pub use effects::{EFFECTS_CYCLES, PASSIVITY_CYCLES, effect_cycles, law_cycles};
-pub(crate) use effects::{Slot, slot};
+pub(crate) use effects::{named, parameter_of};
 pub use parameters::{ALIASES, PARAMETERS, Parameter, SetError, SetWhy, Value};
 
 use friction::Adhesion;

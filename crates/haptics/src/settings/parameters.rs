@@ -3,7 +3,7 @@
 use super::{LawKind, RendererKind, Settings};
 use crate::number::{self, Text};
 use core::fmt;
-use friction::effects::EffectKind;
+use friction::effects::{EffectKind, EffectName};
 use friction::{Adhesion, Dimension, Geometry, Unit, directions};
 
 /// Description of a parameter, as in `help`.
@@ -75,10 +75,12 @@ pub enum SetWhy {
     NotOneOf(&'static str),
     /// Unknown parameter of a known effect.
     UnknownOfEffect(
-        &'static str,
+        EffectName,
         &'static [friction::effects::Parameter],
         &'static [friction::effects::Parameter],
     ),
+    /// A number of an effect that skips one; the next is this.
+    NextIs(EffectName),
     /// All places for effects are in use.
     EffectsFull,
     /// Unknown parameter of the compensation.
@@ -99,6 +101,7 @@ impl fmt::Display for SetError<'_> {
                 write!(f, "unknown parameter `{name}`; {effect} has")?;
                 gains.iter().chain(shape).try_for_each(|p| write!(f, " {}", p.name))
             }
+            SetWhy::NextIs(next) => write!(f, "{name}: set {next}.PARAMETER first"),
             SetWhy::UnknownOfCompensation => {
                 write!(f, "unknown parameter `{name}`; accepted are")?;
                 crate::Compensation::PARAMETERS.iter().try_for_each(|p| write!(f, " {}", p.name))?;
@@ -219,7 +222,8 @@ impl Settings {
 
     /// Sets a parameter from text. [`Settings::validate`] decides whether the result may run.
     ///
-    /// `EFFECT.PARAMETER` adds the effect if needed; `EFFECT off` removes it.
+    /// `EFFECT.PARAMETER` adds the effect if needed; `EFFECT off` removes it. A second one of its kind, of another wavelength, is
+    /// `EFFECT_2`; `off` removes it with those behind it.
     ///
     /// # Errors
     /// [`SetError`]: one line that says what would be accepted. Nothing has changed.

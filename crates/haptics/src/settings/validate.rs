@@ -3,7 +3,7 @@
 
 use super::{EFFECTS_CYCLES, LawKind, PASSIVITY_CYCLES, RendererKind, Settings, effect_cycles, law_cycles};
 use crate::{Accepted, Device, Reason, Refused, Warning, bounds, number};
-use friction::effects::{Effect, EffectKind, EffectState, Scale};
+use friction::effects::{Effect, EffectKind, EffectName, EffectState, Scale};
 use friction::{Dimension, Law, Motion};
 
 /// Largest mass of a virtual block, kg. This and the next are those of the default device.
@@ -387,17 +387,18 @@ impl Settings {
     }
 
     fn check_effects(&self, device: &Device) -> Result<(), Refused> {
-        for effect in self.effects.iter().flatten() {
-            let named = |refused: Refused| Refused { effect: Some(effect.kind.id()), ..refused };
+        let mut slopes = 0.0;
+        for (name, effect) in EffectName::of(self.effects.iter().flatten()) {
+            let named = |refused: Refused| Refused { effect: Some(name), ..refused };
             effect.validate().map_err(|invalid| Refused {
-                effect: Some(effect.kind.id()),
+                effect: Some(name),
                 parameter: invalid.parameter,
                 value: invalid.value as f32,
                 accepted: Accepted::Between(invalid.min as f32, invalid.max as f32),
                 why: Reason::plain("outside its range"),
             })?;
             self.check_stiffness(effect.kind, &effect.gains, device).map_err(named)?;
-            self.check_slope(effect, device).map_err(named)?;
+            slopes += self.check_slope(effect, slopes, device).map_err(named)?;
         }
         let observer = if self.passivity { PASSIVITY_CYCLES } else { 0 };
         let having = if self.effects.iter().any(Option::is_some) { EFFECTS_CYCLES } else { 0 };
@@ -440,19 +441,19 @@ impl Settings {
         }
     }
 
-    /// Checks the slope of a pattern over the position: it is a stiffness of the contact.
-    fn check_slope(&self, effect: &Effect<f32>, device: &Device) -> Result<(), Refused> {
-        let Some((wavelength, slope)) = pattern(effect) else { return Ok(()) };
-        let (stiffest, _) = self.room_for_effects(device);
+    /// Checks the slope of a pattern over the position, beside that of others, N/m: it is a stiffness of the contact. Returns it.
+    fn check_slope(&self, effect: &Effect<f32>, others: f32, device: &Device) -> Result<f32, Refused> {
+        let Some((wavelength, slope)) = pattern(effect) else { return Ok(0.0) };
+        let stiffest = (self.room_for_effects(device).0 - others).max(1.0);
         if slope <= stiffest {
-            return Ok(());
+            return Ok(slope);
         }
         let accepted = Accepted::AtLeast(at_least(wavelength * slope / stiffest));
         let why = Reason::of(
             Dimension::LENGTH,
-            "below, the pattern is stiffer than device and block are stable with",
+            "below, the patterns are stiffer than device and block are stable with",
         );
-        refuse("wavelength", wavelength, accepted, why)
+        Err(Refused { effect: None, parameter: "wavelength", value: wavelength, accepted, why })
     }
 
     /// Checks the gains of effects: as a force, spring or damper none may exceed the stability bounds of the contact.

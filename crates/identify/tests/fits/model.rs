@@ -163,7 +163,7 @@ fn a_file_gives_back_an_equal_model() {
             cutoff_hz: Some(37.5),
             ..Model::default()
         };
-        model.set_effect(stribeck(0.3));
+        model.effects.push(stribeck(0.3));
         model.curves = vec![bump(), map()];
         model.std.insert("mass".into(), 1.25e-3);
         let text = model.to_toml();
@@ -176,7 +176,7 @@ fn a_file_gives_back_an_equal_model() {
 #[test]
 fn a_model_is_a_preset_the_device_takes() {
     let mut model = rubber();
-    model.set_effect(stribeck(0.2));
+    model.effects.push(stribeck(0.2));
     let mut settings = Settings::viscous();
     for (name, value) in model.preset_lines() {
         settings.set(&name, &value).unwrap_or_else(|e| panic!("set {name} {value}: {e}"));
@@ -362,6 +362,40 @@ fn the_prediction_is_the_law_on_the_motion() {
 }
 
 #[test]
+fn forces_of_two_wavelengths_are_written_read_predicted_and_set_on_a_device() {
+    let line = |sine: f64, wavelength: f64| Effect {
+        kind: EffectKind::Cogging,
+        gains: [0.0, sine, 0.0, 0.0],
+        shape: [wavelength, 0.0],
+    };
+    let r = moved(2000);
+    let plain = rubber();
+    let mut model = rubber();
+    model.effects = vec![line(0.3, 0.02), line(0.1, 0.007), stribeck(0.1)];
+    let text = model.to_toml();
+    assert!(text.contains("cogging_2.wavelength = 0.007 # m"), "{text}");
+    assert_eq!(Model::from_toml("text", &text).expect("its own text"), model);
+    let error =
+        Model::from_toml("text", &text.replace("cogging_2", "cogging_4")).expect_err("no second, no third");
+    println!("{error}");
+    assert!(error.to_string().contains("cogging_3"), "{error}");
+    let force = |model: &Model| model.predict(&r).expect("a prediction");
+    let alone = |effect: Effect<f64>| force(&Model { effects: vec![effect], ..rubber() });
+    let (both, none) = (force(&model), force(&plain));
+    let parts: Vec<Vec<f64>> = model.effects.iter().map(|e| alone(*e)).collect();
+    let sum = |i: usize| none[i] + parts.iter().map(|p| p[i] - none[i]).sum::<f64>();
+    let worst = (100..1900).map(|i| (both[i] - sum(i)).abs()).fold(0.0, f64::max);
+    println!("sum of its parts within {worst:.1e} N");
+    assert!(worst < 1e-9);
+    let mut settings = Settings::viscous();
+    for (name, value) in model.preset_lines() {
+        settings.set(&name, &value).unwrap_or_else(|e| panic!("set {name} {value}: {e}"));
+    }
+    assert_eq!(settings.get("cogging_2.wavelength").map(|x| x.to_string()), Some("0.007".into()));
+    assert_eq!(settings.get("cogging.sine_1").map(|x| x.to_string()), Some("0.3".into()));
+}
+
+#[test]
 fn an_effect_adds_its_force() {
     let r = moved(2000);
     let plain = rubber().predict(&r).unwrap();
@@ -369,7 +403,7 @@ fn an_effect_adds_its_force() {
     let spring = EffectKind::from_id("spring").unwrap();
     let mut effect = Effect { kind: spring, gains: Default::default(), shape: Default::default() };
     *effect.get_mut(spring.gains()[0].name).unwrap() = 40.0;
-    with.set_effect(effect);
+    with.effects.push(effect);
     let predicted = with.predict(&r).unwrap();
     let worst =
         (100..1900).map(|i| (predicted[i] - plain[i] - 40.0 * r.position[i]).abs()).fold(0.0, f64::max);
