@@ -167,8 +167,8 @@ impl Named {
         // without a curve nothing contradicts a name
         let contradicted = !described.terms.is_empty() || kin.is_empty();
         if contradicted {
-            let stays = |kind: TermKind| found.has(kind);
-            let named = self.found.atoms.iter().zip(&self.p).filter(|(a, _)| stays(a.term.kind));
+            let stays = |atom: &Atom| found.atoms.iter().any(|a| a.term == atom.term);
+            let named = self.found.atoms.iter().zip(&self.p).filter(|(a, _)| stays(a));
             let p = named.map(|(_, p)| *p).collect();
             let described = described.measured(&search, &found);
             self.p = p;

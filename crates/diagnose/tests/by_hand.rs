@@ -252,3 +252,25 @@ fn bristles_were_needless_beside_a_spring_on_one_side() {
         assert!(d.missing.iter().any(|m| m.effect == "presliding"));
     }
 }
+
+/// A cable rubs over two centimetres beside bristles: lost motion, a lag and a delay were named.
+#[test]
+fn a_cable_beside_bristles_was_lost_motion() {
+    for seed in [1, 2] {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let hand = Hand::strokes(&mut random);
+        let mut recording = by_position(moved_by(&hand, 4.5e-5, Beside::Nothing, &mut random));
+        let mut z = 0.0_f64;
+        for i in 1..recording.time.len() {
+            let dx = recording.position[i] - recording.position[i - 1];
+            z += dx - dx.abs() * z / 0.02;
+            recording.force[i] += 0.15 * z / 0.02;
+        }
+        let d = answer(&recording);
+        let lengths: Vec<f64> = d.missing.iter().map(|m| m.parameters["x_s"].value).collect();
+        let names: Vec<&str> = d.missing.iter().map(|m| m.effect.as_str()).collect();
+        println!("seed {seed}: {names:?} {lengths:?}");
+        assert_eq!(names, ["presliding", "presliding"]);
+        assert!((lengths[0] / 4.5e-5 - 1.0).abs() < 0.2 && (lengths[1] / 0.02 - 1.0).abs() < 0.1);
+    }
+}

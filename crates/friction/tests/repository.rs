@@ -66,6 +66,13 @@ fn section(out: &mut String, about: &About) {
     if let Some(other) = about.case_of {
         let _ = writeln!(out, "- A diagnosis names `{other}`, of which it is a case.");
     }
+    if let Some(axis) = about.several_by {
+        let (id, by) = (about.id, about.shape[axis].name);
+        let _ = writeln!(
+            out,
+            "- A machine may have several, each with a `{by}` of its own: `{id}`, `{id}_2` and so on."
+        );
+    }
     if let Some(test) = about.bench_test {
         let _ = writeln!(out, "- Shown without a move: {test}.");
     }

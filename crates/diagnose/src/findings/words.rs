@@ -1,7 +1,7 @@
 //! The answer in one sentence.
 
 use crate::findings::channel::told_by_channels;
-use crate::result::{Diagnosis, Missing, Verdict};
+use crate::result::{Diagnosis, Verdict};
 use friction::effects::{Describe, Unnamed};
 
 /// Force error without and with what is missing.
@@ -57,6 +57,19 @@ fn judged(d: &Diagnosis) -> String {
     format!(" in the {share:.0} % of its samples at which the body surely slides")
 }
 
+/// An effect in a sentence, with how many of it there are.
+fn name(d: &Diagnosis, id: &str) -> String {
+    if id == Unnamed::ABOUT.id {
+        return "something that no law of the catalogue fits".into();
+    }
+    let words = id.replace('_', " ");
+    match d.missing.iter().filter(|m| m.effect == id).count() {
+        0 | 1 => words,
+        2 => format!("{words} twice"),
+        n => format!("{words} {n} times"),
+    }
+}
+
 /// One sentence: what is missing, or that nothing is, and how sure that is.
 #[must_use]
 pub fn summary(d: &Diagnosis) -> String {
@@ -79,12 +92,13 @@ pub fn summary(d: &Diagnosis) -> String {
             short(d.detectable),
         ),
         Verdict::Mismatch => {
-            let name = |m: &Missing| match m.effect.as_str() {
-                id if id == Unnamed::ABOUT.id => "something that no law of the catalogue fits".into(),
-                id => id.replace('_', " "),
-            };
-            let mut names: Vec<String> = d.missing.iter().map(name).collect();
-            names.dedup();
+            let mut ids: Vec<&str> = Vec::new();
+            for id in d.missing.iter().map(|m| m.effect.as_str()) {
+                if !ids.contains(&id) {
+                    ids.push(id);
+                }
+            }
+            let names: Vec<String> = ids.into_iter().map(|id| name(d, id)).collect();
             let list = match names.as_slice() {
                 [] => "something no law of the catalogue fits".to_string(),
                 [one] => one.clone(),

@@ -90,8 +90,8 @@ impl Search<'_> {
         basis.project_out(&sum)
     }
 
-    /// Whether no two effects are one, every gain is in the range its effect accepts, and the mass is not significantly negative, unless the baseline's
-    /// already is. A mass that does not show has either sign.
+    /// Whether no two effects are one, every gain is in the range its effect accepts, and the mass is not significantly
+    /// negative, unless the baseline's already is. A mass that does not show has either sign.
     pub fn physical(&self, h: &Hypothesis) -> bool {
         let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
         // only a mass below zero asks for its standard error
