@@ -294,6 +294,10 @@ pub struct Figures {
     pub curves: Vec<Curve>,
 }
 
+/// Held-out error over the noise floor up to which the model explains a recording down to its noise. The floor is known to
+/// some tens of percent.
+const DOWN_TO: f64 = 1.5;
+
 /// Everything a diagnosis found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Diagnosis {
@@ -353,4 +357,12 @@ pub struct Diagnosis {
     /// For the report.
     #[serde(skip)]
     pub figures: Figures,
+}
+
+impl Diagnosis {
+    /// Whether the baseline alone explains the recording down to its noise.
+    #[must_use]
+    pub fn is_down_to_its_noise(&self) -> bool {
+        !(self.baseline.rms_heldout > DOWN_TO * self.noise_floor.rms)
+    }
 }

@@ -33,16 +33,17 @@ pub fn diagnosis(diagnosis: &Diagnosis, name: &str) -> String {
     page.finish(&format!("tribos diagnosis of {name}"), &format!("schema {}", diagnosis.schema))
 }
 
-fn verdict_id(verdict: Verdict) -> (&'static str, &'static str) {
-    match verdict {
+fn chip(d: &Diagnosis) -> (&'static str, &'static str) {
+    match d.verdict {
         Verdict::Mismatch => ("mismatch", "The simulation misses something"),
+        Verdict::NoMismatch if !d.is_down_to_its_noise() => ("not_located", "Nothing that could be located"),
         Verdict::NoMismatch => ("no_mismatch", "Nothing is missing above the noise"),
         Verdict::NotTestable => ("not_testable", "This recording cannot answer"),
     }
 }
 
 fn head(page: &mut Page, d: &Diagnosis, name: &str) {
-    let (class, words) = verdict_id(d.verdict);
+    let (class, words) = chip(d);
     page.html(format!(
         r#"<header><p class="overline"><span class="chip {class}">{words}</span>recording <b>{}</b></p>
 <h1>{}</h1>"#,
@@ -54,8 +55,11 @@ fn head(page: &mut Page, d: &Diagnosis, name: &str) {
     }
     let unit = escape(&d.noise_floor.unit);
     let ForceError { before, after, of_samples, left_out } = ForceError::of(d);
-    let (without, with) =
-        if of_samples { ("as recorded", "set right") } else { ("without the missing physics", "with it") };
+    let (without, with) = match (of_samples, d.missing.is_empty()) {
+        (true, _) => ("as recorded", "set right"),
+        (_, true) => ("error of the model", ""),
+        _ => ("without the missing physics", "with it"),
+    };
     let mut rows: Vec<(&str, f64, &str)> = vec![(without, before, "before")];
     // where nothing explains it the model is the same
     if !d.missing.is_empty() && after != before {

@@ -44,10 +44,6 @@ impl ForceError {
     }
 }
 
-/// Held-out error over the noise floor up to which the model explains a recording down to its noise. The floor is known to
-/// some tens of percent.
-const DOWN_TO: f64 = 1.5;
-
 /// Part of the recording of which the verdict speaks, where that is not nearly all of it.
 fn judged(d: &Diagnosis) -> String {
     let share = 100.0 * d.judged_share;
@@ -76,7 +72,7 @@ pub fn summary(d: &Diagnosis) -> String {
     let unit = &d.noise_floor.unit;
     match d.verdict {
         Verdict::NotTestable => "This recording cannot answer.".into(),
-        Verdict::NoMismatch if d.baseline.rms_heldout > DOWN_TO * d.noise_floor.rms => format!(
+        Verdict::NoMismatch if !d.is_down_to_its_noise() => format!(
             "No law and no curve over the motion explains what the model leaves{}, {} {unit} where the noise is {} {unit}: too \
              little to be located, and more than nothing. An effect of more than about {} {unit} would have been seen.",
             judged(d),
