@@ -63,8 +63,8 @@ impl fmt::Display for EffectName {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::string::ToString;
-    use alloc::vec::Vec;
+    use std::string::ToString;
+    use std::vec::Vec;
 
     #[test]
     fn every_effect_is_found_by_its_name() {
