@@ -245,6 +245,12 @@ fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> R
     let parts = parts(reduction);
     let stiffness = parts.iter().filter_map(|(_, part)| part.as_ref()?.sum()).map(|sum| sum.stiffness).sum();
     let has_constant = format.has_constant() || 0.0 < stiffness;
+    // of several lengths of bristles a format holds one
+    let bristles = parts.iter().filter_map(|(effect, part)| match part {
+        Some(Part::Presliding(bristles)) => Some((bristles.force, *effect)),
+        _ => None,
+    });
+    let strongest = bristles.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, effect)| effect);
     let mut held = Held::default();
     for (effect, part) in parts {
         let about = effect.kind.about();
@@ -253,7 +259,9 @@ fn effects(reduction: &mut Reduction<'_>, format: Format, has_stroke: bool) -> R
             Some(Part::Falling(falling)) if held.falling.force == 0.0 => {
                 (held.falling, held.falls) = (falling, Some(effect));
             }
-            Some(Part::Presliding(bristles)) if held.bends.is_none() && !has_bristles(&reduction.model) => {
+            Some(Part::Presliding(bristles))
+                if strongest == Some(effect) && !has_bristles(&reduction.model) =>
+            {
                 held.bends = Some((effect, bristles));
             }
             Some(Part::Waves(waves)) => held.waves.extend(waves.iter().filter(|w| w.amplitude > 0.0)),

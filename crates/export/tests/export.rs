@@ -143,6 +143,12 @@ fn mjcf_holds_bristles_and_waves() {
     let lugre = attributes(&found.text, "lugre");
     assert!((lugre[0][0] / (1.1 / 4e-5) - 1.0).abs() < 1e-6 && (lugre[0][2] - 1.1).abs() < 1e-8, "{lugre:?}");
     assert!((attributes(&found.text, "frictionloss")[0][0] - 0.4).abs() < 1e-8, "{}", found.text);
+    // of two lengths the one with more of the friction
+    let cable = "presliding_2.force_p = 1.2\npresliding_2.force_n = 1.2\npresliding_2.x_s = 2e-2\n";
+    let found = of(&format!("{beside}{cable}"), Format::Mujoco, None);
+    let dropped = found.dropped.iter().filter(|d| d.what.starts_with("presliding")).count();
+    assert_eq!((attributes(&found.text, "lugre")[0][2] * 1e6).round() / 1e6, 1.2);
+    assert_eq!(dropped, 1, "{:?}", found.dropped);
     // a weight on an arm is a wave of one period a turn
     let arm = format!(
         "[preset]\n{PLAIN}gravity.sine = 0.9\ngravity.cosine = 0.2\n[model]\ngeometry = \"rotary\"\n"
