@@ -309,8 +309,7 @@ impl Run<'_> {
         let hums: f64 = self.hums.iter().map(|h| h.squared.0 - h.squared.1).sum();
         let before = named.regression.plain.fit.heldout_sum() + hums * rows;
         let after = last.fit.heldout_sum();
-        let mut kin: Vec<&str> = named.kin.iter().map(TermKind::id).collect();
-        kin.dedup();
+        let kin = findings::words::distinct(named.kin.iter().map(TermKind::id));
         let form = |(i, (t, gain))| {
             let kin = if i == 0 { kin.as_slice() } else { &[] };
             free_form::finding::missing(t, gain, rows, kin, geometry)

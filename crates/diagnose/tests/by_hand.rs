@@ -216,7 +216,7 @@ fn a_load_cell_that_was_knocked_drifted() {
     }
 }
 
-/// The second line of a wave that is no sine was an error of the encoder, or a curve.
+/// The third harmonic used to be reported as an encoder error or fitted by a curve.
 #[test]
 fn magnets_whose_force_is_no_sine_were_a_sine_and_something_else() {
     let magnets = |x: f64| 0.1 * ((TAU * x / 0.011).sin() + 0.5 * (3.0 * TAU * x / 0.011).sin());

@@ -150,7 +150,8 @@ struct Rows {
     at: Vec<usize>,
     errors: Vec<f64>,
     symmetric: bool,
-    /// What a delay of the force adds per second, and the variance of its error, as long as it is not the last column.
+    /// Column of the force delay (force change per second of delay) and the variance of its error; `None` once it is the last of
+    /// `columns`.
     late: Option<(Vec<f64>, f64)>,
 }
 

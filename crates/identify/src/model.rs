@@ -108,7 +108,7 @@ impl Model {
         self.coupling.b_vc.map_or(Ok(()), |b| in_range("b_vc", b, 0.0, 1e6))
     }
 
-    /// The effect of this name, to be set: without any force where the model had none. None where its number skips one.
+    /// The effect of this name, added as a silent one if it is the next of its kind. None if its number skips one.
     pub fn effect_mut(&mut self, name: EffectName) -> Option<&mut Effect<f64>> {
         let of_kind = |e: &Effect<f64>| e.kind == name.kind;
         if self.effects.iter().filter(|e| of_kind(e)).count() == name.index {

@@ -229,16 +229,15 @@ impl Reader<'_> {
             return Err(self.error(entry.at, format!("no effect `{id}`: accepted are {}", ids.join(", "))));
         };
         let value = self.number(entry)?;
-        let kind = name.kind;
-        if kind.about().parameters().all(|p| p.name != parameter) {
-            let names: Vec<&str> = kind.about().parameters().map(|p| p.name).collect();
+        let Some(effect) = self.model.effect_mut(name) else {
+            let before = EffectName { index: name.index.saturating_sub(1), ..name };
+            return Err(self.error(entry.at, format!("no {before}: {id} is accepted after it")));
+        };
+        let Some(place) = effect.get_mut(parameter) else {
+            let names: Vec<&str> = name.kind.about().parameters().map(|p| p.name).collect();
             return Err(
                 self.error(entry.at, format!("{id} has no `{parameter}`: accepted are {}", names.join(", ")))
             );
-        }
-        let Some(place) = self.model.effect_mut(name).and_then(|effect| effect.get_mut(parameter)) else {
-            let before = EffectName { index: name.index.saturating_sub(1), ..name };
-            return Err(self.error(entry.at, format!("{id} without {before}: accepted in this order")));
         };
         *place = value;
         Ok(())

@@ -94,7 +94,7 @@ impl Chart {
         self
     }
 
-    /// Makes the axis of x logarithmic if all of x is positive and half of it lies in the first quarter of the axis.
+    /// Uses a logarithmic x axis if all x are positive and at least half of them lie in its first quarter.
     pub(crate) fn log_where_crowded(mut self) -> Self {
         let x = &self.x;
         let [first, middle, last] =

@@ -53,7 +53,18 @@ fn judged(d: &Diagnosis) -> String {
     format!(" in the {share:.0} % of its samples at which the body surely slides")
 }
 
-/// An effect in a sentence, with how many of it there are.
+/// Each id once, in the order of its first appearance.
+pub(crate) fn distinct<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut out = Vec::new();
+    for id in ids {
+        if !out.contains(&id) {
+            out.push(id);
+        }
+    }
+    out
+}
+
+/// The words for an effect, and how many times it was found.
 fn name(d: &Diagnosis, id: &str) -> String {
     if id == Unnamed::ABOUT.id {
         return "something that no law of the catalogue fits".into();
@@ -88,12 +99,7 @@ pub fn summary(d: &Diagnosis) -> String {
             short(d.detectable),
         ),
         Verdict::Mismatch => {
-            let mut ids: Vec<&str> = Vec::new();
-            for id in d.missing.iter().map(|m| m.effect.as_str()) {
-                if !ids.contains(&id) {
-                    ids.push(id);
-                }
-            }
+            let ids = distinct(d.missing.iter().map(|m| m.effect.as_str()));
             let names: Vec<String> = ids.into_iter().map(|id| name(d, id)).collect();
             let list = match names.as_slice() {
                 [] => "something no law of the catalogue fits".to_string(),

@@ -19,7 +19,7 @@ const AS_GOOD: f64 = 0.02;
 /// The same as a share of what names and forms gain.
 const OF_GAIN: f64 = 0.005;
 
-/// Share of what an effect gains beside the free forms that it gains without them, too, if it is an effect of its own.
+/// Share of its gain beside the free forms that an effect also reaches without them, unless it only stands in for a form.
 const ITS_OWN: f64 = 0.5;
 
 /// Most free directions of a form that takes the place of several names because it is one: a finer curve follows any of them.
@@ -127,8 +127,8 @@ fn restored(search: &Search, found: &Hypothesis, kept: &Hypothesis, alone: Descr
 }
 
 /// Takes back, one after the other, every effect that predicts nothing beside the free forms, or nothing without them: then it
-/// stands for what a form is too coarse for. Without them its gain stands in a larger error and may not be sure; it counts
-/// where it is as large as beside them.
+/// stands for what a form is too coarse for. Without them the error is larger and may hide a real gain, so a gain about as
+/// large as beside them also counts.
 fn needless(search: &Search, mut now: Resolved) -> Resolved {
     while !now.described.terms.is_empty() {
         let without = |i: usize| {

@@ -4,10 +4,10 @@ use friction::effects::{
     About, Acts, EffectKind, GainGroups, MAX_GAINS, MAX_SHAPE, Parameter, Quantity, SeriesKind,
 };
 
-/// Two wavelengths are two where they are apart by this factor, and by as many waves on the stroke: closer ones are one line whose
-/// size changes along the stroke.
+/// Least ratio of two wavelengths, and least difference of their waves on the stroke, for two separate lines. Closer together they
+/// fit one line whose amplitude varies along the stroke.
 const WAVES_APART: (f64, f64) = (1.4, 3.0);
-/// Factor by which other shapes of two are apart: between them the second corrects the law of the first.
+/// Least ratio of any other shape. Closer together the second effect only corrects the law of the first.
 const APART: f64 = 8.0;
 
 /// What a term is a hypothesis about.
@@ -59,14 +59,6 @@ impl TermKind {
         self.about().wavelength().is_some()
     }
 
-    /// Which parameter of the shape tells several of a machine apart; none where there is one.
-    fn several_by(&self) -> Option<usize> {
-        match self {
-            Self::Force(kind) => kind.about().several_by,
-            Self::Series(_) => None,
-        }
-    }
-
     /// Whether it moves the whole force in time.
     pub fn moves_in_time(&self) -> bool {
         self.about().acts.in_time()
@@ -105,20 +97,21 @@ impl Term {
         self.kind.variants().get(self.variant).copied().unwrap_or_default()
     }
 
-    /// Waves on the stroke of a line and of its harmonics, of which each has a cosine and a sine.
+    /// Waves on the stroke, of the line and of each harmonic; each has a cosine and a sine.
     fn waves(&self, stroke: f64) -> impl Iterator<Item = f64> + use<> {
         let first = self.kind.about().wavelength().map(|axis| stroke / self.shape[axis]);
         let harmonics = self.free_gains().len().div_ceil(2);
         first.into_iter().flat_map(move |first| (1..=harmonics).map(move |k| k as f64 * first))
     }
 
-    /// Whether both are one effect on this stroke: of one kind and, if there may be several, hardly apart.
+    /// Whether both describe the same effect on this stroke: the same kind and, where a machine may have several, nearly the same
+    /// shape.
     pub fn is_one_with(&self, other: &Self, stroke: f64) -> bool {
         let within = |factor: f64, a: f64, b: f64| a.max(b) < factor * a.min(b);
         let (factor, waves) = WAVES_APART;
         let close = |a: f64, b: f64| within(factor, a, b) || (a - b).abs() < waves;
         self.kind == other.kind
-            && match self.kind.several_by() {
+            && match self.kind.about().several_by {
                 None => true,
                 Some(_) if self.kind.is_periodic() => {
                     self.waves(stroke).any(|a| other.waves(stroke).any(|b| close(a, b)))

@@ -57,23 +57,27 @@ impl Search<'_> {
         Ok(Some(self.prune(transport::settle(self, best), start)))
     }
 
+    /// Indices of the atoms of `child` that `parent` lacks.
+    fn added(&self, parent: &Hypothesis, child: &Hypothesis) -> Vec<usize> {
+        (0..child.atoms.len()).filter(|i| !self.has(&parent.atoms, &child.atoms[*i].term)).collect()
+    }
+
     fn material(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
         let gain = parent.fit.heldout_sum() - child.fit.heldout_sum();
         let above = |sum: f64| sum - self.floor;
         let worth = (MATERIAL * above(start)).min(MOST_OF_REST * above(parent.fit.heldout_sum()));
-        let mut added = (0..child.atoms.len()).filter(|i| !self.has(&parent.atoms, &child.atoms[*i].term));
+        let added = self.added(parent, child);
         let nowhere = Basis::default();
-        let share = |i| spread(&self.contribution(child, i, &nowhere), &self.design.blocks);
-        let least = added.clone().map(share).reduce(f64::min);
+        let share = |i: &usize| spread(&self.contribution(child, *i, &nowhere), &self.design.blocks);
+        let least = added.iter().map(share).reduce(f64::min);
         let worth = worth.max(self.systematic * least.unwrap_or(1.0));
-        let smooths = added.any(|i| child.atoms[i].term.kind.acts(Acts::Behind));
+        let smooths = added.iter().any(|i| child.atoms[*i].term.kind.acts(Acts::Behind));
         gain > worth
             && (!smooths || transport::saved(self, &parent.atoms, &child.atoms).is_some_and(|s| s > worth))
     }
 
     fn holds(&self, parent: &Hypothesis, child: &Hypothesis, start: f64) -> bool {
-        let new: Vec<Atom> =
-            child.atoms.iter().filter(|a| !self.has(&parent.atoms, &a.term)).cloned().collect();
+        let new: Vec<Atom> = self.added(parent, child).iter().map(|i| child.atoms[*i].clone()).collect();
         child.fit.heldout_sum() < parent.fit.heldout_sum()
             && self.material(parent, child, start)
             && self.gains_surely(&parent.fit, &child.fit)

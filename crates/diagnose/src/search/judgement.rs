@@ -61,13 +61,13 @@ pub struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Whether one of these is this effect already.
+    /// Whether `atoms` already contain this effect.
     pub fn has(&self, atoms: &[Atom], term: &Term) -> bool {
         let stroke = self.scales.stroke.1 - self.scales.stroke.0;
         atoms.iter().any(|a| a.term.is_one_with(term, stroke))
     }
 
-    /// Whether no two of these are one effect.
+    /// Whether all `atoms` are distinct effects.
     pub fn are_apart(&self, atoms: &[Atom]) -> bool {
         (1..atoms.len()).all(|i| !self.has(&atoms[..i], &atoms[i].term))
     }
@@ -90,8 +90,8 @@ impl Search<'_> {
         basis.project_out(&sum)
     }
 
-    /// Whether no two effects are one, every gain is in the range its effect accepts, and the mass is not significantly
-    /// negative, unless the baseline's already is. A mass that does not show has either sign.
+    /// Whether all effects are distinct, every gain is within its effect's range, and the mass is not significantly negative,
+    /// unless the baseline's already is. A mass that does not show has either sign.
     pub fn physical(&self, h: &Hypothesis) -> bool {
         let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
         // only a mass below zero asks for its standard error

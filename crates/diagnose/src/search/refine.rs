@@ -73,7 +73,7 @@ struct Point {
     residual: Vec<f64>,
     /// Squared residual, with what the prior asks for.
     squared: f64,
-    /// No two effects are one, and every gain lies in the range its effect accepts.
+    /// All effects are distinct, and every gain is within its effect's range.
     physical: bool,
 }
 

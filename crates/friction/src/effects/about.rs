@@ -237,8 +237,8 @@ pub struct About {
     pub has_reference: bool,
     /// Parameters the force is not proportional to.
     pub shape: &'static [Parameter],
-    /// A machine may have several of it, told apart by this parameter of the shape: forces of several wavelengths, bristles of several
-    /// lengths.
+    /// Index of the shape parameter that distinguishes several instances on one machine, such as ripples of different wavelengths;
+    /// `None` if there is at most one.
     pub several_by: Option<usize>,
     /// What its force is made of.
     pub reads: &'static [Quantity],

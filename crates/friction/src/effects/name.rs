@@ -1,10 +1,10 @@
-//! Names of effects of which a machine may have several.
+//! Names that tell several effects of one kind apart.
 
 use super::{Effect, EffectKind};
 use core::fmt;
 
-/// One effect among those of its kind. The first has the id as its name; a second one, of another wavelength, is `cogging_2`. Only
-/// those of which a machine may have several have a second one ([`About::several_by`](super::About::several_by)).
+/// The name of an effect: its id, with a number from the second of its kind on, as in `cogging_2`. Only kinds with
+/// [`About::several_by`](super::About::several_by) have numbers.
 ///
 /// ```
 /// use friction::effects::{EffectKind, EffectName};
@@ -18,7 +18,7 @@ use core::fmt;
 pub struct EffectName {
     /// Which effect.
     pub kind: EffectKind,
-    /// How many of its kind come before it.
+    /// Number of effects of the same kind before it.
     pub index: usize,
 }
 
@@ -37,7 +37,7 @@ impl EffectName {
         }
     }
 
-    /// Each effect with its name.
+    /// Pairs each effect with its name.
     pub fn of<'a, S: 'a>(
         effects: impl Iterator<Item = &'a Effect<S>>,
     ) -> impl Iterator<Item = (Self, &'a Effect<S>)> {

@@ -69,7 +69,7 @@ pub(crate) fn named(effects: &[Option<Effect<f32>>], name: EffectName) -> Option
     effects.get(at)?.as_ref()
 }
 
-/// The parameter of an effect, by name. An effect that is not there yet is added, behind those of its kind.
+/// The parameter of an effect, by name. A missing effect is added after the others of its kind.
 pub(crate) fn parameter_of<'a>(
     effects: &'a mut [Option<Effect<f32>>],
     name: EffectName,
@@ -88,7 +88,7 @@ pub(crate) fn parameter_of<'a>(
     place.ok_or(full)
 }
 
-/// A free place behind the effects of this kind, for the next of them.
+/// A free place after the effects of this kind, for the next of them.
 fn room(effects: &mut [Option<Effect<f32>>], name: EffectName, full: SetWhy) -> Result<usize, SetWhy> {
     let kind = name.kind;
     let count = places(effects, kind).count();
@@ -117,7 +117,7 @@ impl Settings {
             if value != "off" {
                 return Err(SetWhy::NotOneOf("off; set its parameters by EFFECT.PARAMETER"));
             }
-            // with those behind it, which would get its name
+            // those after it go, too: they would move up to its name
             let of_kind = self.effects.iter_mut().filter(|e| e.is_some_and(|e| e.kind == name.kind));
             of_kind.skip(name.index).for_each(|place| *place = None);
             return Ok(());

@@ -79,7 +79,7 @@ pub enum SetWhy {
         &'static [friction::effects::Parameter],
         &'static [friction::effects::Parameter],
     ),
-    /// A number of an effect that skips one; the next is this.
+    /// The number of an effect skips one; this would be the next.
     NextIs(EffectName),
     /// All places for effects are in use.
     EffectsFull,
@@ -222,8 +222,8 @@ impl Settings {
 
     /// Sets a parameter from text. [`Settings::validate`] decides whether the result may run.
     ///
-    /// `EFFECT.PARAMETER` adds the effect if needed; `EFFECT off` removes it. A second one of its kind, of another wavelength, is
-    /// `EFFECT_2`; `off` removes it with those behind it.
+    /// `EFFECT.PARAMETER` adds the effect if needed; `EFFECT off` removes it. `EFFECT_2` is a second one
+    /// of the same kind; `EFFECT_2 off` removes it and those after it.
     ///
     /// # Errors
     /// [`SetError`]: one line that says what would be accepted. Nothing has changed.

@@ -37,7 +37,7 @@ fn at_least(x: f32) -> f32 {
     if x > 0.0 && x.is_finite() { number::four_digits(x * (1.0 - ROUNDING), true) } else { 0.0 }
 }
 
-fn refuse(parameter: &'static str, value: f32, accepted: Accepted, why: Reason) -> Result<(), Refused> {
+fn refuse<T>(parameter: &'static str, value: f32, accepted: Accepted, why: Reason) -> Result<T, Refused> {
     Err(Refused { effect: None, parameter, value, accepted, why })
 }
 
@@ -441,9 +441,11 @@ impl Settings {
         }
     }
 
-    /// Checks the slope of a pattern over the position, beside that of others, N/m: it is a stiffness of the contact. Returns it.
+    /// Checks the slope of a pattern over the position on top of the `others` before it, N/m: together they are a stiffness of the
+    /// contact. Returns the slope.
     fn check_slope(&self, effect: &Effect<f32>, others: f32, device: &Device) -> Result<f32, Refused> {
         let Some((wavelength, slope)) = pattern(effect) else { return Ok(0.0) };
+        // at least 1 N/m: the others may have used all of it
         let stiffest = (self.room_for_effects(device).0 - others).max(1.0);
         if slope <= stiffest {
             return Ok(slope);
@@ -453,7 +455,7 @@ impl Settings {
             Dimension::LENGTH,
             "below, the patterns are stiffer than device and block are stable with",
         );
-        Err(Refused { effect: None, parameter: "wavelength", value: wavelength, accepted, why })
+        refuse("wavelength", wavelength, accepted, why)
     }
 
     /// Checks the gains of effects: as a force, spring or damper none may exceed the stability bounds of the contact.
