@@ -49,7 +49,7 @@ impl Scales {
             stroke: tracks.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| {
                 (low.min(quantile(&t.x, 0.002)), high.max(quantile(&t.x, 0.998)))
             }),
-            fine: largest(&|t| (rms(&t.v) / (4.0 * cutoff)).min(20.0 * t.noise.position.max(1e-12))),
+            fine: largest(&|t| (rms(&t.v) / (16.0 * cutoff)).min(5.0 * t.noise.position.max(1e-12))),
             force: largest(&|t| magnitude(&t.f)),
             cutoff,
             dt: largest(&|t| t.raw.dt),
@@ -63,7 +63,7 @@ impl Scales {
 
     /// Shortest wavelength that can be seen: what passes faster than the filter lets through is not there any more.
     pub fn finest_wave(&self) -> f64 {
-        (0.7 * self.speed / self.cutoff).max(4.0 * self.fine).min(self.coarse_wave())
+        (0.7 * self.speed / self.cutoff).max(16.0 * self.fine).min(self.coarse_wave())
     }
 
     fn latest(&self) -> f64 {

@@ -10,7 +10,7 @@
 //! advances never stands still behind a filter that does not overshoot: there it is a [`Gaussian`], as a dip before each step
 //! of the speed would be a fall of orders of magnitude for a law of its logarithm.
 
-use crate::preparation::blows::unresolved;
+use crate::preparation::blows::{Unresolved, unresolved};
 use signals::{
     Channels, Gaussian, LowPass, Noise, SHARPER, SMEARED, central_difference, derived_noise, differentiated,
     four_point_difference, noise_std, quantile, soften,
@@ -187,10 +187,11 @@ impl Track {
         }
         let n = self.len();
         let beside = |i: usize| i.saturating_sub(around)..(i + around + 1).min(n);
-        let [mut blows, of_motion] = unresolved(&self.raw, &self.noise, &self.a, self.filter.cutoff());
+        let Unresolved { force: mut blows, beyond_friction, motion } =
+            unresolved(&self.raw, &self.noise, &self.a, self.filter.cutoff());
         // at a reversal the force jumps because friction changes sign
         blows.retain(|i| self.sign[beside(*i)].windows(2).all(|pair| pair[0] == pair[1]));
-        blows.extend(of_motion);
+        blows.extend(beyond_friction.into_iter().chain(motion));
         let mut aside = vec![1.0; n];
         for &i in &blows {
             aside[beside(i)].fill(0.0);

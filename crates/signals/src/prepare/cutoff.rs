@@ -116,7 +116,8 @@ pub fn choose_cutoff(stretches: &[Channels]) -> f64 {
     let ceiling = HIGHEST_SHARE * slowest;
     let motion = stretches.iter().map(Channels::dominant_frequency).fold(0.0, f64::max);
     let lowest = (HARMONICS * motion).min(ceiling);
-    let rough: Vec<Rough> = stretches.iter().map(|c| Rough::of(c, (10.0 * motion).min(ceiling))).collect();
+    let looks = looks((10.0 * motion).min(ceiling), ceiling);
+    let rough: Vec<Rough> = stretches.iter().map(|c| Rough::of(c, &looks)).collect();
     let mass = rough.iter().map(|r| r.mass).fold(0.0, f64::max);
     // a body that reverses also rests, and the force at rest hides its mass
     let shows = one_way(stretches).is_none() || rough.iter().any(|r| r.shows);
@@ -182,7 +183,14 @@ fn shown(c: &Channels, source: Source, low_pass: &LowPass) -> f64 {
     rms(&series[trim..series.len() - trim])
 }
 
+/// Cut-offs of first looks, Hz: each twice the one before.
+fn looks(lowest: f64, highest: f64) -> Vec<f64> {
+    let next = |last: &f64| Some(2.0 * last).filter(|next| next > last && *next <= highest);
+    std::iter::successors(Some(lowest), next).collect()
+}
+
 /// What a first look says of a stretch.
+#[derive(Clone, Copy)]
 struct Rough {
     /// Mass, kg or kg·m².
     mass: f64,
@@ -193,8 +201,19 @@ struct Rough {
 }
 
 impl Rough {
+    /// The largest mass that surely is not zero, at any of the `looks`: behind a low cut-off friction and rests hide the
+    /// inertia of a body that moves now and then, behind a high one noise takes it for smaller. Where none is sure, that of the
+    /// first look.
+    fn of(channels: &Channels, looks: &[f64]) -> Self {
+        let mut all = looks.iter().map(|cutoff| Self::behind(channels, *cutoff));
+        let first = all.next().unwrap_or(Self { mass: 0.0, shows: false, slow: 0.0 });
+        let larger = |a: Self, b: Self| if b.shows && !(a.shows && a.mass >= b.mass) { b } else { a };
+        let mass = all.fold(first, larger);
+        Self { slow: first.slow, ..mass }
+    }
+
     /// By a regression on acceleration, direction, velocity and a constant behind a filter at `cutoff` Hz.
-    fn of(channels: &Channels, cutoff: f64) -> Self {
+    fn behind(channels: &Channels, cutoff: f64) -> Self {
         let filter = LowPass::new(cutoff, channels.dt);
         let v = four_point_difference(&filter.apply(&channels.position), channels.dt);
         let a = four_point_difference(&v, channels.dt);
