@@ -16,7 +16,7 @@ const BETTER: f64 = 0.25;
 /// Relative increase of the held-out error up to which fewer free forms are as good as names and forms together.
 const AS_GOOD: f64 = 0.02;
 
-/// The same as a share of what names and forms gain.
+/// The same as a share of what names and forms gain, up to what noise alone leaves.
 const OF_GAIN: f64 = 0.005;
 
 /// Share of its gain beside the free forms that an effect also reaches without them, unless it only stands in for a form.
@@ -59,7 +59,8 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
     let names = found.atoms.len() + described.terms.len();
     let of_names: usize = found.atoms.iter().map(Atom::parameters).sum();
     let numbers = of_names + described.terms.iter().map(|t| t.freedom).sum::<usize>();
-    let as_good = named + (AS_GOOD * named).max(OF_GAIN * (baseline.fit.heldout_sum() - named));
+    let of_gain = OF_GAIN * (baseline.fit.heldout_sum() - named);
+    let as_good = named + (AS_GOOD * named).max(of_gain.min(search.floor));
     let contradicts = |other: &(Hypothesis, Described)| {
         let (kept, alone) = other;
         let (free, count) = (alone.fit.heldout_sum(), kept.atoms.len() + alone.terms.len());
