@@ -23,6 +23,9 @@ const AS_GOOD: f64 = 0.03;
 /// Standard errors by which a mass has to be below zero to be refused.
 const SURELY: f64 = 2.0;
 
+/// Share of the square of what moves the force in time that two of them leave together where one takes the other back.
+const TAKEN_BACK: f64 = 0.25;
+
 /// Squared error over that of the floor from which on a gain may be plain.
 const PLAIN: f64 = 4.0;
 /// Share of the squared error above the floor that is nearly all of it.
@@ -90,8 +93,9 @@ impl Search<'_> {
         basis.project_out(&sum)
     }
 
-    /// Whether all effects are distinct, every gain is within its effect's range, and the mass is not significantly negative,
-    /// unless the baseline's already is. A mass that does not show has either sign.
+    /// Whether all effects are distinct, every gain is within its effect's range, nothing moves the force forward in time that
+    /// something else moves back, and the mass is not significantly negative, unless the baseline's already is. A mass that does
+    /// not show has either sign.
     pub fn physical(&self, h: &Hypothesis) -> bool {
         let mass = h.fit.coefficients.first().copied().unwrap_or(0.0);
         // only a mass below zero asks for its standard error
@@ -99,6 +103,19 @@ impl Search<'_> {
         self.are_apart(&h.atoms)
             && (mass >= 0.0 || self.design.blocks.mass < 0.0 || !surely_negative())
             && (0..h.atoms.len()).all(|i| h.atoms[i].physical(h.coefficients(self.design, i)))
+            && !self.moves_back_and_forth(h)
+    }
+
+    /// Whether two effects that move the force in time take each other back. What they leave is its curvature: the trace of a filter
+    /// that it and the motion did not share, and neither a delay nor a lag.
+    fn moves_back_and_forth(&self, h: &Hypothesis) -> bool {
+        let movers = (0..h.atoms.len()).filter(|i| h.atoms[*i].term.kind.moves_in_time());
+        let moved: Vec<Vec<f64>> = movers.map(|i| self.contribution(h, i, &Basis::default())).collect();
+        let taken_back = |a: &[f64], b: &[f64]| {
+            let both: f64 = a.iter().zip(b).map(|(a, b)| (a + b).powi(2)).sum();
+            both < TAKEN_BACK * dot(a, a).max(dot(b, b))
+        };
+        (1..moved.len()).any(|i| moved[..i].iter().any(|other| taken_back(&moved[i], other)))
     }
 
     /// Tests of columns, each with what it belongs to, outside `basis`: against the residual of `parent`, noise taken from `child`.
