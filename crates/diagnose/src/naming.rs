@@ -144,8 +144,8 @@ impl Named {
         watch: Watch<'_>,
     ) -> Result<(), Interrupted> {
         let search = self.search(options, cutoff);
-        let Resolved { found, mut described, kin } =
-            contradiction::resolve(&search, &self.found, &self.regimes, &self.regression.baseline);
+        let Resolved { found, mut described, kin, beside } =
+            contradiction::resolve(&search, &self.found, &self.regimes, &self.regression.baseline, watch)?;
         let squared = |d: &Described| {
             let last = d.beside(&found);
             self.frozen(&last, options).squared(judges, &last)
@@ -167,9 +167,10 @@ impl Named {
         // without a curve nothing contradicts a name
         let contradicted = !described.terms.is_empty() || kin.is_empty();
         if contradicted {
-            let stays = |atom: &Atom| found.atoms.iter().any(|a| a.term == atom.term);
-            let named = self.found.atoms.iter().zip(&self.p).filter(|(a, _)| stays(a));
-            let p = named.map(|(_, p)| *p).collect();
+            let before = self.found.atoms.iter().map(|a| a.term).zip(self.p.iter().copied());
+            let known: Vec<_> = beside.into_iter().chain(before).collect();
+            let of = |a: &Atom| known.iter().find(|(term, _)| *term == a.term).map_or(1.0, |(_, p)| *p);
+            let p = found.atoms.iter().map(of).collect();
             let described = described.measured(&search, &found);
             self.p = p;
             (self.last, self.gains) = (described.beside(&found), described.gains);

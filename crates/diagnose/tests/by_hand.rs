@@ -274,3 +274,17 @@ fn a_cable_beside_bristles_was_lost_motion() {
         assert!((lengths[0] / 4.5e-5 - 1.0).abs() < 0.2 && (lengths[1] / 0.02 - 1.0).abs() < 0.1);
     }
 }
+
+/// Together they are the curvature of the force, which a filter leaves that it and the motion do not share.
+#[test]
+fn a_lag_took_back_what_a_delay_had_moved() {
+    for seed in [14, 22] {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let hand = Hand::strokes(&mut random);
+        let recording = by_position(moved_by(&hand, 3.5e-5, Beside::Nothing, &mut random));
+        let d = answer(&Recording { acceleration: None, ..recording });
+        let names: Vec<&str> = d.missing.iter().map(|m| m.effect.as_str()).collect();
+        println!("seed {seed}: {names:?}, {:.4} of {:.4} N", d.after.rms_heldout, d.noise_floor.rms);
+        assert_eq!(names, ["presliding"]);
+    }
+}

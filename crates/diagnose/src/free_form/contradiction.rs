@@ -3,12 +3,14 @@
 use crate::free_form::candidate::Library;
 use crate::free_form::describe::{Described, LEAVES, describe};
 use crate::library::design_matrix::DesignMatrix;
-use crate::library::term::TermKind;
+use crate::library::term::{Term, TermKind};
+use crate::options::{Interrupted, Watch};
 use crate::regression::linear::Fit;
 use crate::search::hypothesis::{Atom, Hypothesis};
 use crate::search::judgement::Search;
 use crate::search::lasting::Regime;
 use friction::effects::Quantity;
+use signals::subtract_scaled;
 
 /// Share of what names leave above the floor that as many free forms have to explain to contradict them.
 const BETTER: f64 = 0.25;
@@ -36,10 +38,24 @@ pub struct Resolved {
     pub found: Hypothesis,
     pub described: Described,
     pub kin: Vec<TermKind>,
+    /// Family-wise p of each name that was found beside free forms.
+    pub beside: Vec<(Term, f64)>,
+}
+
+impl Resolved {
+    fn of(found: &Hypothesis, described: Described) -> Self {
+        Self { found: found.clone(), described, kin: Vec::new(), beside: Vec::new() }
+    }
 }
 
 /// Describes what `found` leaves, and takes back every name that the description contradicts.
-pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline: &Hypothesis) -> Resolved {
+pub fn resolve(
+    search: &Search,
+    found: &Hypothesis,
+    regimes: &[Regime],
+    baseline: &Hypothesis,
+    watch: Watch<'_>,
+) -> Result<Resolved, Interrupted> {
     let mut library = Library::new(search.design);
     let mut described = describe(search, &library, found, regimes);
     let named = described.fit.heldout_sum();
@@ -51,10 +67,10 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
                 described = wider;
             }
         }
-        return Resolved { found: found.clone(), described, kin: Vec::new() };
+        return named_beside(search, &library, regimes, Resolved::of(found, described), watch);
     }
     if found.atoms.len() == 1 && described.terms.is_empty() && !much {
-        return Resolved { found: found.clone(), described, kin: Vec::new() };
+        return Ok(Resolved::of(found, described));
     }
     let names = found.atoms.len() + described.terms.len();
     let of_names: usize = found.atoms.iter().map(Atom::parameters).sum();
@@ -83,9 +99,56 @@ pub fn resolve(search: &Search, found: &Hypothesis, regimes: &[Regime], baseline
     }
     let resolved = match others.into_iter().min_by(|a, b| heldout(a).total_cmp(&heldout(b))) {
         Some((kept, alone)) => restored(search, found, &kept, alone),
-        None => Resolved { found: found.clone(), described, kin: Vec::new() },
+        None => Resolved::of(found, described),
     };
-    needless(search, resolved)
+    let resolved = needless(search, resolved);
+    named_beside(search, &library, regimes, resolved, watch)
+}
+
+/// Names again what the curves leave, and describes what these names leave: a large error hides what is small beside it, and
+/// where much is left, curves stand for that. Kept if they leave much less.
+fn named_beside(
+    search: &Search,
+    library: &Library,
+    regimes: &[Regime],
+    now: Resolved,
+    watch: Watch<'_>,
+) -> Result<Resolved, Interrupted> {
+    let left = now.described.fit.heldout_sum();
+    let mut best: Option<Resolved> = None;
+    for count in 1..=now.described.terms.len() {
+        if left < LEAVES * search.floor {
+            break;
+        }
+        let design = beside_curves(search.design, &now, count);
+        let rest = Search { design: &design, ..*search };
+        let Some(empty) = Hypothesis::new(&design, Vec::new()) else { continue };
+        let Some(named) = rest.run(empty, watch)? else { continue };
+        let (named, p, _) = rest.lasting(named, regimes);
+        let beside = named.atoms.iter().map(|a| a.term).zip(p).collect();
+        let Some(found) = Hypothesis::new(search.design, named.atoms).filter(|h| !h.atoms.is_empty()) else {
+            continue;
+        };
+        let described = describe(search, library, &found, regimes);
+        let least = best.as_ref().map_or(&now.described.fit, |b| &b.described.fit);
+        if is_better(search, least, &described.fit) && search.physical(&described.beside(&found)) {
+            best = Some(Resolved { kin: now.kin.clone(), beside, ..Resolved::of(&found, described) });
+        }
+    }
+    Ok(best.map_or(now, |best| needless(search, best)))
+}
+
+/// The design matrix without what the first `count` curves explain.
+fn beside_curves(design: &DesignMatrix, now: &Resolved, count: usize) -> DesignMatrix {
+    let mut out = design.clone();
+    let mut from = Hypothesis::columns(design, &now.found.atoms).len();
+    for term in &now.described.terms[..count] {
+        for column in term.columns.iter() {
+            subtract_scaled(&mut out.y, now.described.fit.coefficients[from], column);
+            from += 1;
+        }
+    }
+    out
 }
 
 /// The names that are not over the position, where there are others: a curve over the position contradicts those, whatever else
@@ -105,7 +168,7 @@ fn is_better(search: &Search, first: &Fit, second: &Fit) -> bool {
 
 /// Puts an effect in the place of each free form that it explains as well.
 fn restored(search: &Search, found: &Hypothesis, kept: &Hypothesis, alone: Described) -> Resolved {
-    let mut now = Resolved { found: kept.clone(), described: alone, kin: Vec::new() };
+    let mut now = Resolved::of(kept, alone);
     let mut left: Vec<Atom> = found.atoms.iter().filter(|a| !kept.has(a.term.kind)).cloned().collect();
     loop {
         let place = |i: usize, c: usize| {
@@ -129,7 +192,7 @@ fn restored(search: &Search, found: &Hypothesis, kept: &Hypothesis, alone: Descr
 
 /// Takes back, one after the other, every effect that predicts nothing beside the free forms, or nothing without them: then it
 /// stands for what a form is too coarse for. Without them the error is larger and may hide a real gain, so a gain about as
-/// large as beside them also counts.
+/// large as beside them also counts, and one that was found beside them needs no other.
 fn needless(search: &Search, mut now: Resolved) -> Resolved {
     while !now.described.terms.is_empty() {
         let without = |i: usize| {
@@ -142,8 +205,13 @@ fn needless(search: &Search, mut now: Resolved) -> Resolved {
                 let beside = gain(&fitted.fit, &now.described.fit);
                 gain(&fewer.fit, &now.found.fit) > ITS_OWN * beside
             };
-            let needed = search.gains_surely(&fitted.fit, &now.described.fit)
-                && (search.gains_surely(&fewer.fit, &now.found.fit) || as_much());
+            let (with, without) = (&now.described.fit, &fitted.fit);
+            let gains = search.gains_surely(without, with);
+            let needed = if now.beside.iter().any(|(term, _)| *term == now.found.atoms[i].term) {
+                gains || is_better(search, without, with)
+            } else {
+                gains && (search.gains_surely(&fewer.fit, &now.found.fit) || as_much())
+            };
             (!needed).then(|| (fitted.fit.heldout_sum(), i, fewer, fitted))
         };
         let best = (0..now.found.atoms.len()).filter_map(without).min_by(|a, b| a.0.total_cmp(&b.0));
