@@ -23,8 +23,8 @@ const AS_GOOD: f64 = 0.03;
 /// Standard errors by which a mass has to be below zero to be refused.
 const SURELY: f64 = 2.0;
 
-/// Share of the square of what moves the force in time that two of them leave together where one takes the other back.
-const TAKEN_BACK: f64 = 0.25;
+/// Share of a delay that is left where something else takes it back.
+const TAKEN_BACK: f64 = 0.3;
 
 /// Squared error over that of the floor from which on a gain may be plain.
 const PLAIN: f64 = 4.0;
@@ -109,13 +109,16 @@ impl Search<'_> {
     /// Whether two effects that move the force in time take each other back. What they leave is its curvature: the trace of a filter
     /// that it and the motion did not share, and neither a delay nor a lag.
     fn moves_back_and_forth(&self, h: &Hypothesis) -> bool {
-        let movers = (0..h.atoms.len()).filter(|i| h.atoms[*i].term.kind.moves_in_time());
-        let moved: Vec<Vec<f64>> = movers.map(|i| self.contribution(h, i, &Basis::default())).collect();
-        let taken_back = |a: &[f64], b: &[f64]| {
-            let both: f64 = a.iter().zip(b).map(|(a, b)| (a + b).powi(2)).sum();
-            both < TAKEN_BACK * dot(a, a).max(dot(b, b))
-        };
-        (1..moved.len()).any(|i| moved[..i].iter().any(|other| taken_back(&moved[i], other)))
+        let movers: Vec<usize> =
+            (0..h.atoms.len()).filter(|i| h.atoms[*i].term.kind.moves_in_time()).collect();
+        if movers.len() < 2 {
+            return false;
+        }
+        let late = self.design.rows(|t| t.pass(&t.late()));
+        let delay = |i: &usize| dot(&self.contribution(h, *i, &Basis::default()), &late);
+        let delays: Vec<f64> = movers.iter().map(delay).collect();
+        let taken_back = |a: f64, b: f64| (a + b).abs() < TAKEN_BACK * a.abs().max(b.abs());
+        (1..delays.len()).any(|i| delays[..i].iter().any(|other| taken_back(delays[i], *other)))
     }
 
     /// Tests of columns, each with what it belongs to, outside `basis`: against the residual of `parent`, noise taken from `child`.
