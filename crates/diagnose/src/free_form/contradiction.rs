@@ -18,8 +18,10 @@ const BETTER: f64 = 0.25;
 /// Relative increase of the held-out error up to which fewer free forms are as good as names and forms together.
 const AS_GOOD: f64 = 0.02;
 
-/// The same as a share of what names and forms gain, up to what noise alone leaves.
+/// The same as a share of what names and forms gain, up to a share of what noise alone leaves: beside a weight that is most of the
+/// force, friction is a small part of the gain and several floors.
 const OF_GAIN: f64 = 0.005;
+const OF_FLOOR: f64 = 0.5;
 
 /// Share of its gain beside the free forms that an effect also reaches without them, unless it only stands in for a form.
 const ITS_OWN: f64 = 0.5;
@@ -76,7 +78,7 @@ pub fn resolve(
     let of_names: usize = found.atoms.iter().map(Atom::parameters).sum();
     let numbers = of_names + described.terms.iter().map(|t| t.freedom).sum::<usize>();
     let of_gain = OF_GAIN * (baseline.fit.heldout_sum() - named);
-    let as_good = named + (AS_GOOD * named).max(of_gain.min(search.floor));
+    let as_good = named + (AS_GOOD * named).max(of_gain.min(OF_FLOOR * search.floor));
     let contradicts = |other: &(Hypothesis, Described)| {
         let (kept, alone) = other;
         let (free, count) = (alone.fit.heldout_sum(), kept.atoms.len() + alone.terms.len());

@@ -16,6 +16,9 @@ const LAG_RATIO: f64 = 1.23;
 /// Ratio of neighbouring frequencies: from farther away than a narrow resonance is wide, a broad one looks nearer.
 const FREQUENCY_RATIO: f64 = 1.12;
 
+/// Length that is resolved beside reversals, as a share of that elsewhere: there a body is slow, and each reversal shows it again.
+const AT_A_REVERSAL: f64 = 0.25;
+
 /// Scales of a set of stretches, from which the shapes worth trying follow.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scales {
@@ -29,6 +32,8 @@ pub struct Scales {
     pub stroke: (f64, f64),
     /// Smallest length that is resolved.
     pub fine: f64,
+    /// The same beside reversals.
+    pub turning: f64,
     /// 99 % quantile of |F|.
     pub force: f64,
     /// Cut-off of the filter, Hz.
@@ -42,6 +47,8 @@ impl Scales {
     pub fn of(tracks: &[Track], cutoff: f64) -> Self {
         let largest = |of: &dyn Fn(&Track) -> f64| tracks.iter().map(of).fold(0.0, f64::max);
         let magnitude = |series: &[f64]| quantile(&series.iter().map(|x| x.abs()).collect::<Vec<_>>(), 0.99);
+        let fine = largest(&|t| (rms(&t.v) / (4.0 * cutoff)).min(20.0 * t.noise.position.max(1e-12)));
+        let turns = tracks.iter().any(|t| t.reversals.one_way.is_none());
         Self {
             duration: largest(&|t| t.len() as f64 * t.raw.dt),
             speed: largest(&|t| magnitude(&t.v)),
@@ -49,7 +56,8 @@ impl Scales {
             stroke: tracks.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| {
                 (low.min(quantile(&t.x, 0.002)), high.max(quantile(&t.x, 0.998)))
             }),
-            fine: largest(&|t| (rms(&t.v) / (16.0 * cutoff)).min(5.0 * t.noise.position.max(1e-12))),
+            fine,
+            turning: if turns { AT_A_REVERSAL * fine } else { fine },
             force: largest(&|t| magnitude(&t.f)),
             cutoff,
             dt: largest(&|t| t.raw.dt),
@@ -63,7 +71,7 @@ impl Scales {
 
     /// Shortest wavelength that can be seen: what passes faster than the filter lets through is not there any more.
     pub fn finest_wave(&self) -> f64 {
-        (0.7 * self.speed / self.cutoff).max(16.0 * self.fine).min(self.coarse_wave())
+        (0.7 * self.speed / self.cutoff).max(4.0 * self.fine).min(self.coarse_wave())
     }
 
     fn latest(&self) -> f64 {
@@ -88,7 +96,7 @@ impl Scales {
             Scale::Rest => (1.0 / self.cutoff, 0.3 * self.duration, true),
             Scale::Duration => (0.03 * self.duration, self.duration, true),
             Scale::Place { from, to } => (place(from), place(to), false),
-            Scale::Distance => (self.fine.max(1e-5 * span), 0.3 * span, true),
+            Scale::Distance => (self.turning.max(1e-5 * span), 0.3 * span, true),
             Scale::PerLength => (1.0 / (1.5 * span), 40.0 / span, true),
             Scale::Gain | Scale::Range => (parameter.min, parameter.max, false),
             Scale::Damping => (parameter.min, parameter.max, true),
@@ -101,7 +109,11 @@ impl Scales {
     pub fn grid(&self, kind: TermKind) -> Vec<[f64; MAX_SHAPE]> {
         let shape = kind.shape();
         let axis = |p: &Parameter, points: usize| -> Vec<f64> {
-            let (low, high, log) = self.range(p);
+            let (mut low, high, log) = self.range(p);
+            // what is shorter still is near enough to be reached from there
+            if p.scale == Scale::Distance {
+                low = low.max(self.fine).min(high);
+            }
             let points = if p.scale == Scale::Wavelength {
                 // Even in the number of waves over the stroke, half a wave apart: no line falls between.
                 let span = self.stroke.1 - self.stroke.0;

@@ -196,12 +196,14 @@ impl PlanarScales {
                 (low.min(quantile(&t.x[axis], 0.002)), high.max(quantile(&t.x[axis], 0.998)))
             })
         };
+        let fine = largest(&|t| rms(&t.speed) / (4.0 * cutoff));
         let scales = |speed: f64, stroke: (f64, f64), force: f64| Scales {
             duration: largest(&|t| t.len() as f64 * t.raw[0].dt),
             speed,
             slow: largest(&|t| t.guard),
             stroke,
-            fine: largest(&|t| rms(&t.speed) / (4.0 * cutoff)),
+            fine,
+            turning: fine,
             force,
             cutoff,
             dt: largest(&|t| t.raw[0].dt),
