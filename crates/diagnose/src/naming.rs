@@ -2,7 +2,7 @@
 
 use crate::findings::floor::{Floor, floor, systematic};
 use crate::findings::validate::{Frozen, Judge};
-use crate::free_form::contradiction::{self, Resolved};
+use crate::free_form::contradiction::{self, DESCRIBED, Resolved};
 use crate::free_form::describe::{Described, Gain};
 use crate::free_form::switching::switching;
 use crate::free_form::term::FreeTerm;
@@ -152,7 +152,7 @@ impl Named {
         };
         let named = self.frozen(&self.found, options).squared(judges, &self.found);
         while !judges.is_empty() && !described.terms.is_empty() {
-            tell(watch, 0.8, "what has no name")?;
+            tell(watch, DESCRIBED, "what has no name")?;
             let with = squared(&described);
             let fewer =
                 (0..described.terms.len()).filter_map(|i| described.without(&search, &found, Some(i)));

@@ -11,6 +11,7 @@ use crate::findings::nuisance;
 use crate::findings::unnamed::SEVERAL;
 use crate::findings::validate::{Judge, judges};
 use crate::free_form;
+use crate::free_form::contradiction::DESCRIBED;
 use crate::free_form::hum::{self, Hum};
 use crate::free_form::term::FreeTerm;
 use crate::library::baseline::BASELINE;
@@ -187,7 +188,7 @@ pub fn diagnose_watched(
         let of = |judged| judges(judged, cutoff, &named.regression, &named.acting);
         let judges = judged.as_ref().map_or_else(Vec::new, of);
         named.confirm(&judges, options, cutoff, &names.join(", "));
-        tell(watch, 0.8, "what has no name")?;
+        tell(watch, DESCRIBED, "what has no name")?;
         named.describe(&judges, options, cutoff, watch)?;
         let frozen = named.frozen(&named.last, options);
         let before = frozen.rms(&judges, &named.regression.plain);

@@ -35,6 +35,9 @@ const SHORT: usize = 3;
 /// Names and forms beyond which a simpler description is looked for over a derived acceleration, too.
 const MANY: usize = 2;
 
+/// Share of the whole work that is done where what has no name is described.
+pub const DESCRIBED: f32 = 0.8;
+
 /// Confirmed names, free forms, and the names that the free forms contradict.
 pub struct Resolved {
     pub found: Hypothesis,
@@ -116,14 +119,15 @@ fn named_beside(
     now: Resolved,
     watch: Watch<'_>,
 ) -> Result<Resolved, Interrupted> {
-    let left = now.described.fit.heldout_sum();
+    if now.described.fit.heldout_sum() < LEAVES * search.floor {
+        return Ok(now);
+    }
+    // as far as the work was before
+    let watch: Watch<'_> = &|_, what| watch(DESCRIBED, what);
     let mut best: Option<Resolved> = None;
     for count in 1..=now.described.terms.len() {
-        if left < LEAVES * search.floor {
-            break;
-        }
-        let design = beside_curves(search.design, &now, count);
-        let rest = Search { design: &design, ..*search };
+        let [design, noisy] = [search.design, search.noisy].map(|of| without_curves(of, &now, count));
+        let rest = Search { design: &design, noisy: &noisy, ..*search };
         let Some(empty) = Hypothesis::new(&design, Vec::new()) else { continue };
         let Some(named) = rest.run(empty, watch)? else { continue };
         let (named, p, _) = rest.lasting(named, regimes);
@@ -134,14 +138,15 @@ fn named_beside(
         let described = describe(search, library, &found, regimes);
         let least = best.as_ref().map_or(&now.described.fit, |b| &b.described.fit);
         if is_better(search, least, &described.fit) && search.physical(&described.beside(&found)) {
-            best = Some(Resolved { kin: now.kin.clone(), beside, ..Resolved::of(&found, described) });
+            let kin = now.kin.iter().copied().filter(|kind| !found.has(*kind)).collect();
+            best = Some(Resolved { kin, beside, ..Resolved::of(&found, described) });
         }
     }
     Ok(best.map_or(now, |best| needless(search, best)))
 }
 
 /// The design matrix without what the first `count` curves explain.
-fn beside_curves(design: &DesignMatrix, now: &Resolved, count: usize) -> DesignMatrix {
+fn without_curves(design: &DesignMatrix, now: &Resolved, count: usize) -> DesignMatrix {
     let mut out = design.clone();
     let mut from = Hypothesis::columns(design, &now.found.atoms).len();
     for term in &now.described.terms[..count] {

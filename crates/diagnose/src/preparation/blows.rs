@@ -18,7 +18,7 @@ const LARGE: f64 = 3.0;
 pub struct Unresolved {
     /// Of the force.
     pub force: Vec<usize>,
-    /// Those of the force that no friction makes which changes its sign.
+    /// Of the force, where it jumps farther than friction does that changes its sign.
     pub beyond_friction: Vec<usize>,
     /// Of the acceleration of the position.
     pub motion: Vec<usize>,
