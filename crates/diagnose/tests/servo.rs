@@ -82,8 +82,8 @@ fn answer(recording: &Recording) -> Diagnosis {
     diagnose(std::slice::from_ref(recording), &[], &Options::default(), &|_, _| ()).expect("accepted")
 }
 
-/// Lengths below twenty times the position's noise were not tried: presliding was found, ended there and was taken back. Where the joint
-/// rested most of the time its inertia was taken for a fraction, and the filter let the noise of the acceleration through.
+/// Lengths below twenty times the position noise were not tried, so presliding ended on that bound and was withdrawn. The inertia of a
+/// joint that mostly rests was underestimated, and the filter let the noise of the acceleration through.
 #[test]
 fn a_servo_that_rests_between_moves_had_no_presliding() {
     let mut found = 0;

@@ -110,8 +110,8 @@ pub fn resolve(
     named_beside(search, &library, regimes, resolved, watch)
 }
 
-/// Names again what the curves leave, and describes what these names leave: a large error hides what is small beside it, and
-/// where much is left, curves stand for that. Kept if they leave much less.
+/// Searches for named effects in what the curves leave, then describes the rest anew: beside a large error a small effect goes
+/// unnoticed, and curves are fitted in its place. Keeps the result if it leaves much less.
 fn named_beside(
     search: &Search,
     library: &Library,

@@ -35,7 +35,7 @@ pub fn unresolved(channels: &Channels, noise: &Noise, acceleration: &[f64], cuto
         position.windows(3).map(|x| mass * (x[0] - 2.0 * x[1] + x[2]) / (dt * dt)).collect();
     let of_bends = mass * SIXTH * noise.position / (dt * dt);
     let least = (SURE * FOURTH * noise.force).max(OF_A_STEP * large);
-    // friction acts at every moment, so it is no larger than what acts at most of them
+    // an upper bound: friction acts all the time, so it cannot exceed the median force
     let friction = quantile(&force.iter().map(|f| f.abs()).collect::<Vec<_>>(), 0.5);
     Unresolved {
         force: steps(force, least, 0),
