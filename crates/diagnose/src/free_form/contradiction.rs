@@ -125,8 +125,14 @@ fn named_beside(
     // as far as the work was before
     let watch: Watch<'_> = &|_, what| watch(DESCRIBED, what);
     let mut best: Option<Resolved> = None;
-    for count in 1..=now.described.terms.len() {
-        let [design, noisy] = [search.design, search.noisy].map(|of| without_curves(of, &now, count));
+    let (mut design, mut noisy) = (search.design.clone(), search.noisy.clone());
+    let named = Hypothesis::columns(search.design, &now.found.atoms).len();
+    let mut of_curves = now.described.fit.coefficients[named..].iter();
+    for term in &now.described.terms {
+        for (column, gain) in term.columns.iter().zip(&mut of_curves) {
+            subtract_scaled(&mut design.y, *gain, column);
+            subtract_scaled(&mut noisy.y, *gain, column);
+        }
         let rest = Search { design: &design, noisy: &noisy, ..*search };
         let Some(empty) = Hypothesis::new(&design, Vec::new()) else { continue };
         let Some(named) = rest.run(empty, watch)? else { continue };
@@ -143,19 +149,6 @@ fn named_beside(
         }
     }
     Ok(best.map_or(now, |best| needless(search, best)))
-}
-
-/// The design matrix without what the first `count` curves explain.
-fn without_curves(design: &DesignMatrix, now: &Resolved, count: usize) -> DesignMatrix {
-    let mut out = design.clone();
-    let mut from = Hypothesis::columns(design, &now.found.atoms).len();
-    for term in &now.described.terms[..count] {
-        for column in term.columns.iter() {
-            subtract_scaled(&mut out.y, now.described.fit.coefficients[from], column);
-            from += 1;
-        }
-    }
-    out
 }
 
 /// The names that are not over the position, where there are others: a curve over the position contradicts those, whatever else
@@ -208,14 +201,11 @@ fn needless(search: &Search, mut now: Resolved) -> Resolved {
             let fewer = Hypothesis::new(search.design, atoms)?;
             let fitted = now.described.without(search, &fewer, None)?;
             let gain = |without: &Fit, with: &Fit| without.heldout_sum() - with.heldout_sum();
-            let as_much = || {
-                let beside = gain(&fitted.fit, &now.described.fit);
-                gain(&fewer.fit, &now.found.fit) > ITS_OWN * beside
-            };
-            let (with, without) = (&now.described.fit, &fitted.fit);
-            let gains = search.gains_surely(without, with);
+            let (before, after) = (&fitted.fit, &now.described.fit);
+            let as_much = || gain(&fewer.fit, &now.found.fit) > ITS_OWN * gain(before, after);
+            let gains = search.gains_surely(before, after);
             let needed = if now.beside.iter().any(|(term, _)| *term == now.found.atoms[i].term) {
-                gains || is_better(search, without, with)
+                gains || is_better(search, before, after)
             } else {
                 gains && (search.gains_surely(&fewer.fit, &now.found.fit) || as_much())
             };
